@@ -1,0 +1,57 @@
+// What one detection run answers: poses with their evidence, and an account of everything dropped.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "binpick/geometry/pose.hpp"
+
+namespace binpick {
+
+// One accepted pose.
+struct Detection {
+  int model_index = 0;        // index into the models the detector was made with
+  Pose T_cam_obj;             // object to camera, mm
+  double score = 0;           // verification score in [0, 1]
+  double visible_fraction = 0;  // share of the model's visible surface that the scene does not hide
+  double depth_support = 0;   // of the visible surface with a measurement: share that agrees
+  double contour_support = 0; // share of the visible contour that lies on an image or depth edge
+  double depth_residual_mm = 0;  // median |point-to-plane residual| over the supported surface
+  double template_score = 0;  // sum of the two modalities' scores at the matched leaf, in [0, 2]
+  int template_index = -1;    // the matched leaf of the pose tree
+};
+
+// Why a candidate did not become a detection.
+enum class DropReason : int {
+  kBelowMatchThreshold = 0,  // template score too low at its level
+  kLevelLimit,               // more candidates than the level's limit; the lowest scores went
+  kDuplicate,                // the same pose as a better candidate
+  kPoseDiverged,             // refinement left its basin or lost its support
+  kTooHidden,                // too little of the part can be seen
+  kContradicted,             // measured surface lies behind the model's: free space violated
+  kBelowMinScore,            // verification score under the requested minimum
+  kOverlapsBetter,           // its pixels belong to a better detection
+  kResultLimit,              // more detections than asked for
+};
+inline constexpr int kDropReasonCount = 9;
+const char* drop_reason_name(DropReason reason);  // snake_case, as written to JSON
+
+enum class Stage : int { kPyramid = 0, kScan, kDescend, kSuppress, kPnp, kIcp, kRefine, kVerify, kExplain };
+inline constexpr int kStageCount = 9;
+const char* stage_name(Stage stage);
+
+inline constexpr int kTreeLevelsMax = 5;
+
+struct DetectionReport {
+  std::span<const Detection> detections;  // best score first; valid until the next detect()
+  std::array<double, kStageCount> stage_ms{};
+  double total_ms = 0;
+  int level_count = 0;                                  // depths of the deepest tree that was searched
+  std::array<int, kTreeLevelsMax> candidates{};         // kept at tree depth d, all models
+  std::array<std::int64_t, kTreeLevelsMax> templates_evaluated{};  // template x block matches at depth d
+  std::array<double, kTreeLevelsMax> level_ms{};        // search time at depth d
+  std::array<int, kDropReasonCount> dropped{};
+};
+
+}  // namespace binpick

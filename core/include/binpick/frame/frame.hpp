@@ -1,0 +1,30 @@
+// The one frame type: every sensor, recording and test double produces it, every stage reads it.
+// A Frame borrows its pixels; who fills the buffers keeps them alive for the call.
+#pragma once
+
+#include <cstdint>
+
+#include "binpick/frame/image_view.hpp"
+#include "binpick/geometry/camera_model.hpp"
+
+namespace binpick {
+
+// A rectangle of pixels. width or height 0 means: the whole image.
+struct Roi {
+  int x = 0, y = 0, width = 0, height = 0;
+  bool whole_image() const { return width <= 0 || height <= 0; }
+};
+
+struct Frame {
+  // Distance along the optical axis in mm, registered to the intensity image. No measurement is 0;
+  // NaN, infinite and negative values are read as no measurement too.
+  ImageView<const float> depth_mm;
+  // 8-bit gray, same size as the depth. Empty where the sensor has none.
+  ImageView<const std::uint8_t> intensity;
+  CameraIntrinsics camera;
+  Roi roi;
+  std::int64_t capture_ns = 0;
+  std::uint64_t sequence = 0;
+};
+
+}  // namespace binpick

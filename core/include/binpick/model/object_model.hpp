@@ -1,0 +1,122 @@
+// A trained part, read in place from the bytes of a model file. ObjectModel borrows: whoever loaded
+// the bytes keeps them alive and unchanged. parse() checks everything (magic, version, checksum,
+// bounds of each table, each index), so that afterwards every access is valid whatever the file's origin.
+// Thread-safe: immutable.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "binpick/base/result.hpp"
+#include "binpick/geometry/camera_model.hpp"
+#include "binpick/model/normal_codebook.hpp"
+
+namespace binpick {
+
+inline constexpr int kModelDepthsMax = 4;
+
+// What the model was trained for; written to the file as it stands here, little-endian.
+struct ModelInfo {
+  std::uint64_t source_hash;      // FNV-1a 64 of the CAD file
+  std::uint64_t seed;
+  CameraIntrinsics camera;
+  double distance_min_mm, distance_max_mm;
+  double reference_distance_mm;   // templates are stored as seen from here
+  double tilt_max_deg;
+  double diameter_mm;
+  double bounds_min_mm[3], bounds_max_mm[3];
+  double tilt_jitter_deg, roll_jitter_deg, distance_jitter_mm;
+  std::int32_t samples, gradient_threshold, normal_threshold;
+  std::int32_t base_level;        // pyramid level (1/2^base_level of the image) of the leaves at reference distance
+  std::int32_t scan_depth;        // the tree depth whose templates are scanned exhaustively
+  std::int32_t depth_count;
+  std::int32_t triangle_count;
+  std::int32_t source_unit;       // 0 guessed mm, 1 mm, 2 m, 3 inch
+  NormalCodebook normal_codebook;
+  std::uint8_t reserved[7];
+};
+
+// One quantized orientation of a template: offset from the projection of the object's origin in
+// pixels of its pyramid level, bits of the accepted orientations, weight.
+struct Feature {
+  std::int8_t x, y;
+  std::uint8_t orientations;
+  std::uint8_t weight;
+};
+
+// The features of one (viewpoint, roll): gradients first, then normals.
+struct TemplateRange {
+  std::uint32_t first;          // index into features()
+  std::uint16_t gradient_count;
+  std::uint16_t normal_count;
+  std::uint32_t gradient_weight_sum;
+  std::uint32_t normal_weight_sum;
+};
+
+// A viewpoint of the subdivided icosahedron. R_view_obj at roll 0 takes object axes to the axes of a
+// camera that looks at the object from here.
+struct Viewpoint {
+  float R_view_obj[9];          // row-major
+  std::int32_t parent;          // index at the depth above; -1 at depth 0
+  std::int32_t child_first;     // children at the depth below are consecutive
+  std::int32_t child_count;
+  std::uint32_t surface_first, surface_count;  // leaves only: samples seen from here
+  std::uint32_t contour_first, contour_count;
+};
+
+// One depth of the balanced pose tree: the product of viewpoints, rolls and distances.
+struct TreeDepth {
+  std::span<const Viewpoint> viewpoints;
+  int roll_count = 0;
+  int distance_count = 0;
+  std::span<const TemplateRange> templates;  // viewpoint-major: [viewpoint * roll_count + roll]
+};
+
+// A point of the visible surface, in object coordinates.
+struct SurfaceSample {
+  float position_mm[3];
+  float normal[3];
+};
+
+// A point of the contour generator or of a sharp crease, in object coordinates.
+struct ContourSample {
+  float position_mm[3];
+  float tangent[3];       // unit direction of the edge
+  float is_silhouette;    // 1: depth jumps here; 0: a crease
+};
+
+class ObjectModel {
+ public:
+  static Result<ObjectModel> parse(std::span<const std::uint8_t> bytes);
+
+  const ModelInfo& info() const { return *info_; }
+  int depth_count() const { return info_->depth_count; }
+  const TreeDepth& depth(int d) const { return depths_[d]; }
+  std::span<const Feature> features(const TemplateRange& t) const {
+    return features_.subspan(t.first, t.gradient_count + t.normal_count);
+  }
+  std::span<const SurfaceSample> surface(const Viewpoint& v) const {
+    return surface_.subspan(v.surface_first, v.surface_count);
+  }
+  std::span<const ContourSample> contour(const Viewpoint& v) const {
+    return contour_.subspan(v.contour_first, v.contour_count);
+  }
+
+  // Rotation of (viewpoint, roll) at depth d: object axes to camera axes, on the optical axis.
+  Mat3 rotation(int d, int viewpoint, int roll) const;
+  double roll_rad(int d, int roll) const;
+  double distance_mm(int d, int distance_index) const;
+  std::size_t bytes_total() const { return bytes_total_; }
+
+ private:
+  ObjectModel() = default;
+  const ModelInfo* info_ = nullptr;
+  TreeDepth depths_[kModelDepthsMax];
+  std::span<const Feature> features_;
+  std::span<const SurfaceSample> surface_;
+  std::span<const ContourSample> contour_;
+  std::size_t bytes_total_ = 0;
+};
+
+}  // namespace binpick
