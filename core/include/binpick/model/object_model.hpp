@@ -37,21 +37,24 @@ struct ModelInfo {
   std::uint8_t reserved[7];
 };
 
-// One quantized orientation of a template: offset from the projection of the object's origin in
-// pixels of its pyramid level, bits of the accepted orientations, weight.
+// One pixel of a template, both modalities (paper eq. 1): offset from the projection of the object's origin
+// in pixels of its pyramid level, bits of the accepted orientations and their weights. A modality
+// that says nothing here has weight 0 and no bits. At depths below the scan depth x and y are even: the
+// rearranged maps hold a block for every second pixel.
 struct Feature {
   std::int8_t x, y;
-  std::uint8_t orientations;
-  std::uint8_t weight;
+  std::uint8_t gradient_bits, gradient_weight;
+  std::uint8_t normal_bits, normal_weight;
 };
+inline constexpr int kFeatureWeightMax = 31;
 
-// The features of one (viewpoint, roll): gradients first, then normals.
+// The features of one (viewpoint, roll).
 struct TemplateRange {
-  std::uint32_t first;          // index into features()
-  std::uint16_t gradient_count;
-  std::uint16_t normal_count;
-  std::uint32_t gradient_weight_sum;
-  std::uint32_t normal_weight_sum;
+  std::uint32_t first;  // index into the table of features
+  std::uint16_t count;
+  std::uint16_t gradient_weight_sum;
+  std::uint16_t normal_weight_sum;
+  std::uint16_t reserved;
 };
 
 // A viewpoint of the subdivided icosahedron. R_view_obj at roll 0 takes object axes to the axes of a
@@ -94,7 +97,7 @@ class ObjectModel {
   int depth_count() const { return info_->depth_count; }
   const TreeDepth& depth(int d) const { return depths_[d]; }
   std::span<const Feature> features(const TemplateRange& t) const {
-    return features_.subspan(t.first, t.gradient_count + t.normal_count);
+    return features_.subspan(t.first, t.count);
   }
   std::span<const SurfaceSample> surface(const Viewpoint& v) const {
     return surface_.subspan(v.surface_first, v.surface_count);

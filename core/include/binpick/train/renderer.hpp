@@ -1,5 +1,5 @@
-// Off-screen rendering of one mesh: depth, normals and visibility as a pinhole camera sees them. Behind this
-// header stands OSMesa; nothing else knows. Thread: one renderer per thread.
+// Off-screen rendering of one mesh: depth, normals and visibility as a pinhole camera sees them.
+// Behind this header stands OSMesa; nothing else knows. Thread: one renderer per thread.
 #pragma once
 
 #include <memory>
@@ -28,7 +28,9 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
 
   // Renders the mesh at T_cam_obj into `out` (resized to camera.width x camera.height, at most
-  // the maximum sizes). The camera is an exact pinhole with cx, cy anywhere, integer coordinates at pixel centres.
+  // the maximum sizes). The camera is an exact pinhole with cx, cy anywhere, integer coordinates at
+  // pixel centres. What is nearer than 1 mm to the camera's plane, or behind it, is cut away. The
+  // same input gives the same bytes on every thread. Throws RenderError when memory runs out.
   void render(const CameraIntrinsics& camera, const Pose& T_cam_obj, RenderedView& out);
 
  private:

@@ -34,8 +34,8 @@ struct TrainOptions {
   int tree_depths = 4;                // 12, 42, 162, 642 viewpoints
   // Ours
   NormalCodebook normal_codebook = NormalCodebook::kHemisphere;
-  int gradient_features = 64;         // per template, at most
-  int normal_features = 64;           // per template, at most
+  int contour_features = 56;          // pixels of a template with a gradient orientation, at most
+  int surface_features = 40;          // further pixels with a normal orientation only, at most
   std::uint64_t seed = 1;
 };
 

@@ -1,0 +1,149 @@
+#include "binpick/model/object_model.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "model/model_format.hpp"
+
+namespace binpick {
+namespace {
+
+constexpr Error inconsistent(const char* where, long long detail = 0) {
+  return {ErrorCode::kModelInconsistent, detail, where};
+}
+
+// The table as a span, or false when it does not lie within the file.
+template <class T>
+bool read_table(std::span<const std::uint8_t> bytes, const ModelTable& table, std::span<const T>& out) {
+  if (table.offset_bytes % kModelAlignment != 0 || table.offset_bytes > bytes.size()) return false;
+  if (table.count > (bytes.size() - table.offset_bytes) / sizeof(T)) return false;
+  out = {reinterpret_cast<const T*>(bytes.data() + table.offset_bytes), static_cast<std::size_t>(table.count)};
+  return true;
+}
+
+bool finite_and_positive(double x) { return std::isfinite(x) && x > 0; }
+
+bool all_finite(const float* values, int count) {
+  for (int i = 0; i < count; ++i) {
+    if (!std::isfinite(values[i])) return false;
+  }
+  return true;
+}
+
+bool plausible(const ModelInfo& i) {
+  return i.camera.valid() && finite_and_positive(i.distance_min_mm) && std::isfinite(i.distance_max_mm) &&
+         i.distance_max_mm >= i.distance_min_mm && finite_and_positive(i.reference_distance_mm) &&
+         finite_and_positive(i.diameter_mm) && i.depth_count >= 1 && i.depth_count <= kModelDepthsMax &&
+         i.scan_depth >= 0 && i.scan_depth < i.depth_count && i.base_level >= 0 && i.base_level < 8 &&
+         static_cast<int>(i.normal_codebook) <= 1;
+}
+
+bool range_within(std::uint64_t first, std::uint64_t count, std::size_t size) {
+  return first <= size && count <= size - first;
+}
+
+// Weights sum up as stated, and no template is larger than the search's accumulators hold.
+bool template_valid(const TemplateRange& t, std::span<const Feature> features) {
+  if (!range_within(t.first, t.count, features.size()) || t.count > 255) return false;
+  unsigned gradient = 0, normal = 0;
+  for (const Feature& f : features.subspan(t.first, t.count)) {
+    if (f.gradient_weight > kFeatureWeightMax || f.normal_weight > kFeatureWeightMax) return false;
+    gradient += f.gradient_weight;
+    normal += f.normal_weight;
+  }
+  return gradient == t.gradient_weight_sum && normal == t.normal_weight_sum;
+}
+
+}  // namespace
+
+Result<ObjectModel> ObjectModel::parse(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < sizeof(kModelMagic)) return Error{ErrorCode::kModelTruncated, static_cast<long long>(bytes.size()), "magic"};
+  if (std::memcmp(bytes.data(), kModelMagic, sizeof(kModelMagic)) != 0) return Error{ErrorCode::kModelForeign, 0, "magic"};
+  if (bytes.size() < sizeof(ModelHeader)) return Error{ErrorCode::kModelTruncated, static_cast<long long>(bytes.size()), "header"};
+  BINPICK_ASSERT(reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(std::max_align_t) == 0);
+  const auto& header = *reinterpret_cast<const ModelHeader*>(bytes.data());
+  if (header.version != kModelVersion || header.header_bytes != sizeof(ModelHeader)) {
+    return Error{ErrorCode::kModelVersion, header.version, "header"};
+  }
+  if (header.file_bytes != bytes.size() || header.file_bytes > kModelBytesMax) {
+    return Error{ErrorCode::kModelTruncated, static_cast<long long>(header.file_bytes), "file size"};
+  }
+  if (model_checksum(bytes.subspan(kChecksumFrom)) != header.checksum) {
+    return Error{ErrorCode::kModelChecksum, 0, "checksum"};
+  }
+  if (!plausible(header.info)) return inconsistent("training parameters");
+
+  ObjectModel model;
+  model.info_ = &header.info;
+  model.bytes_total_ = bytes.size();
+  if (!read_table(bytes, header.features, model.features_)) return inconsistent("feature table");
+  if (!read_table(bytes, header.surface, model.surface_)) return inconsistent("surface table");
+  if (!read_table(bytes, header.contour, model.contour_)) return inconsistent("contour table");
+  for (const SurfaceSample& s : model.surface_) {
+    if (!all_finite(s.position_mm, 3) || !all_finite(s.normal, 3)) return inconsistent("surface sample");
+  }
+  for (const ContourSample& c : model.contour_) {
+    if (!all_finite(c.position_mm, 3) || !all_finite(c.tangent, 3)) return inconsistent("contour sample");
+  }
+  const int depth_count = header.info.depth_count;
+  for (int d = 0; d < depth_count; ++d) {
+    const ModelDepthHeader& from = header.depths[d];
+    TreeDepth& to = model.depths_[d];
+    if (!read_table(bytes, from.viewpoints, to.viewpoints)) return inconsistent("viewpoint table", d);
+    if (!read_table(bytes, from.templates, to.templates)) return inconsistent("template table", d);
+    to.roll_count = from.roll_count;
+    to.distance_count = from.distance_count;
+    if (to.viewpoints.empty() || to.viewpoints.size() > 100000) return inconsistent("viewpoint count", d);
+    if (to.roll_count < 1 || to.roll_count > 4096 || to.distance_count < 1 || to.distance_count > 4096) return inconsistent("roll or distance count", d);
+    if (to.templates.size() != to.viewpoints.size() * static_cast<std::size_t>(to.roll_count)) return inconsistent("template count", d);
+    for (const TemplateRange& t : to.templates) {
+      if (!template_valid(t, model.features_)) return inconsistent("template", d);
+    }
+    if (d > 0 && (to.roll_count != 2 * model.depths_[d - 1].roll_count ||
+                  (to.distance_count + 1) / 2 != model.depths_[d - 1].distance_count)) {
+      return inconsistent("halving of rolls or distances", d);
+    }
+  }
+  for (int d = 0; d < depth_count; ++d) {
+    const std::size_t below = d + 1 < depth_count ? model.depths_[d + 1].viewpoints.size() : 0;
+    for (const Viewpoint& v : model.depths_[d].viewpoints) {
+      if (!all_finite(v.R_view_obj, 9)) return inconsistent("viewpoint rotation", d);
+      if (v.child_first < 0 || v.child_count < 0 ||
+          !range_within(static_cast<std::uint64_t>(v.child_first), static_cast<std::uint64_t>(v.child_count), below)) {
+        return inconsistent("viewpoint children", d);
+      }
+      if (!range_within(v.surface_first, v.surface_count, model.surface_.size()) ||
+          !range_within(v.contour_first, v.contour_count, model.contour_.size())) {
+        return inconsistent("viewpoint samples", d);
+      }
+    }
+  }
+  return model;
+}
+
+double ObjectModel::roll_rad(int d, int roll) const {
+  return (roll + 0.5) * 2 * std::numbers::pi / depths_[d].roll_count;
+}
+
+Mat3 ObjectModel::rotation(int d, int viewpoint, int roll) const {
+  const Viewpoint& v = depths_[d].viewpoints[static_cast<std::size_t>(viewpoint)];
+  Mat3 R;
+  for (int i = 0; i < 9; ++i) R(i / 3, i % 3) = static_cast<double>(v.R_view_obj[i]);
+  const double c = std::cos(roll_rad(d, roll)), s = std::sin(roll_rad(d, roll));
+  Mat3 Z;
+  Z << c, -s, 0, s, c, 0, 0, 0, 1;
+  return Z * R;
+}
+
+double ObjectModel::distance_mm(int d, int distance_index) const {
+  // Leaves cut the range evenly; a parent stands in the middle of its children.
+  const int halvings = depth_count() - 1 - d;
+  const int leaves = depths_[depth_count() - 1].distance_count;
+  const int first = distance_index << halvings;
+  const int last = std::min(leaves, (distance_index + 1) << halvings);
+  const double step = (info_->distance_max_mm - info_->distance_min_mm) / leaves;
+  return info_->distance_min_mm + step * (first + last) / 2;
+}
+
+}  // namespace binpick

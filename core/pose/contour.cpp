@@ -1,0 +1,101 @@
+#include "pose/contour.hpp"
+
+#include <cmath>
+
+#include "pose/view_lookup.hpp"
+
+namespace binpick {
+namespace {
+
+constexpr int kRangeMax = 12;
+// Contrast over two pixels below which an intensity edge is noise.
+constexpr float kContrastMin = 8;
+
+float gray_at(const PyramidLevel& level, double u, double v) {
+  const int x = static_cast<int>(u), y = static_cast<int>(v);
+  const float fx = static_cast<float>(u) - static_cast<float>(x), fy = static_cast<float>(v) - static_cast<float>(y);
+  const std::uint8_t* p = level.gray + y * level.stride + x;
+  const float top = static_cast<float>(p[0]) * (1 - fx) + static_cast<float>(p[1]) * fx;
+  const float bottom = static_cast<float>(p[level.stride]) * (1 - fx) + static_cast<float>(p[level.stride + 1]) * fx;
+  return top * (1 - fy) + bottom * fy;
+}
+
+}  // namespace
+
+ContourMatch match_contour(const ContourSample& sample, const Scene& scene, const Pose& T, int range_px, double depth_tolerance_mm) {
+  ContourMatch m;
+  range_px = std::min(range_px, kRangeMax);
+  m.point_cam = T * position_of(sample);
+  const Vec3 tangent = T.R * tangent_of(sample);
+  const CameraIntrinsics& camera = scene.intensity.camera;
+  const Vec3& p = m.point_cam;
+  const Vec2 uv = camera.project(p);
+  // Image of the tangent: derivative of the projection.
+  const Vec2 along(camera.fx * (tangent.x() - p.x() / p.z() * tangent.z()), camera.fy * (tangent.y() - p.y() / p.z() * tangent.z()));
+  const double length = along.norm();
+  if (length < 1e-6 * camera.fx) return m;
+  m.normal_px = Vec2(-along.y(), along.x()) / length;
+  const double margin = range_px + 3;
+  if (uv.x() < margin || uv.y() < margin || uv.x() > scene.intensity.width - 2 - margin || uv.y() > scene.intensity.height - 2 - margin) {
+    m.hidden = true;  // beyond the region: nothing can be said
+    return m;
+  }
+  const Vec2 uv_depth = scene.depth.camera.project(p);
+  const float z = scene.depth_at(static_cast<int>(std::lround(uv_depth.x())), static_cast<int>(std::lround(uv_depth.y())));
+  if (z > 0 && static_cast<double>(z) < p.z() - depth_tolerance_mm) {
+    m.hidden = true;
+    return m;
+  }
+  float profile[2 * kRangeMax + 3];
+  const int samples = 2 * range_px + 3;
+  for (int i = 0; i < samples; ++i) {
+    const double s = i - range_px - 1;
+    profile[i] = gray_at(scene.intensity, uv.x() + s * m.normal_px.x(), uv.y() + s * m.normal_px.y());
+  }
+  // The strongest step, nearer ones preferred.
+  float best = 0;
+  int at = -1;
+  auto contrast = [&](int i) { return std::fabs(profile[i + 1] - profile[i - 1]); };
+  for (int i = 1; i + 1 < samples; ++i) {
+    const float c = contrast(i);
+    if (c < kContrastMin) continue;
+    const float away = static_cast<float>(i - range_px - 1) / static_cast<float>(range_px + 1);
+    const float value = std::min(c, 60.0f) * (1 - 0.7f * away * away);
+    if (value > best) {
+      best = value;
+      at = i;
+    }
+  }
+  if (at < 0) return m;
+  double offset = at - range_px - 1;
+  if (at > 1 && at + 2 < samples) {  // vertex of the parabola through three contrasts
+    const float l = contrast(at - 1), c = contrast(at), r = contrast(at + 1);
+    const float bend = l - 2 * c + r;
+    if (bend < -1e-3f) offset += std::clamp(0.5 * static_cast<double>((l - r) / bend), -0.5, 0.5);
+  }
+  m.found = true;
+  m.offset_px = offset;
+  m.strength = static_cast<double>(contrast(at));
+  return m;
+}
+
+int add_contour_residuals(const Viewpoint& view, const ObjectModel& model, const Scene& scene, const Pose& T, int range_px,
+                          double sigma_px, double depth_tolerance_mm, NormalEquations& equations) {
+  const CameraIntrinsics& camera = scene.intensity.camera;
+  int found = 0;
+  for (const ContourSample& sample : model.contour(view)) {
+    const ContourMatch m = match_contour(sample, scene, T, range_px, depth_tolerance_mm);
+    if (!m.found) continue;
+    // d(offset along the normal)/d(point): the normal pulled back through the projection.
+    const Vec3& p = m.point_cam;
+    const double a = m.normal_px.x() * camera.fx / p.z(), b = m.normal_px.y() * camera.fy / p.z();
+    const Vec3 n(a, b, -(a * p.x() + b * p.y()) / p.z());
+    const double k = m.offset_px * m.offset_px / (range_px * range_px);
+    const double w = 1 / ((1 + 4 * k) * (1 + 4 * k));
+    equations.add(point_gradient(n, p, T.t_mm) / sigma_px, -m.offset_px / sigma_px, w);
+    ++found;
+  }
+  return found;
+}
+
+}  // namespace binpick

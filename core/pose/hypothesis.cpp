@@ -1,0 +1,152 @@
+#include "pose/hypothesis.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pose/icp.hpp"
+#include "pose/pnp.hpp"
+#include "pose/ray_pose.hpp"
+#include "pose/refine.hpp"
+
+namespace binpick {
+namespace {
+
+constexpr double kDegree = 3.14159265358979 / 180;
+// Candidates nearer to each other than this are one: half a leaf's spacing.
+constexpr double kSameRotation = 5 * kDegree;
+constexpr double kSamePositionShare = 0.03;  // of the diameter
+// After refinement: closer than this is the same pose.
+constexpr double kSameRefinedRotation = 2.5 * kDegree;
+constexpr double kSameRefinedShare = 0.015;
+// Hypotheses whose centres are this near compete for the same part.
+constexpr double kSamePlaceShare = 0.25;
+constexpr int kPnpRangePx = 6;
+constexpr int kCorrespondencesMax = 160;
+
+bool close(const Hypothesis& a, const Hypothesis& b, double position_mm, double rotation_rad) {
+  return a.candidate.model == b.candidate.model &&
+         (a.T_cam_centre.t_mm - b.T_cam_centre.t_mm).squaredNorm() < position_mm * position_mm &&
+         rotation_angle_between(a.T_cam_centre.R, b.T_cam_centre.R) < rotation_rad;
+}
+
+void count_drop(DetectionReport& report, DropReason reason) { ++report.dropped[static_cast<std::size_t>(reason)]; }
+
+template <class Fn>
+void for_living(const PoseContext& context, std::span<Hypothesis> hypotheses, Fn&& fn) {
+  constexpr int kPerTask = 4;
+  const int count = static_cast<int>(hypotheses.size());
+  context.pool.parallel_for((count + kPerTask - 1) / kPerTask, [&](int task, int) {
+    for (int i = task * kPerTask; i < std::min(count, (task + 1) * kPerTask); ++i) {
+      Hypothesis& h = hypotheses[static_cast<std::size_t>(i)];
+      if (h.alive) fn(context.models[h.candidate.model], h);
+    }
+  });
+}
+
+bool sane(const Pose& T) { return T.t_mm.allFinite() && T.R.allFinite() && T.t_mm.z() > 1; }
+
+}  // namespace
+
+int make_hypotheses(std::span<const ObjectModel> models, std::span<const Candidate> leaves, const FeaturePyramid& pyramid,
+                    std::span<Hypothesis> out, DetectionReport& report) {
+  std::size_t count = 0;
+  for (const Candidate& c : leaves) {
+    const ObjectModel& model = models[c.model];
+    Hypothesis h;
+    h.candidate = c;
+    h.rank = c.score;
+    h.T_cam_centre = candidate_pose(model, model.depth_count() - 1, c, pyramid);
+    const double limit_mm = kSamePositionShare * model.info().diameter_mm;
+    const bool repeated = std::any_of(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(count), [&](const Hypothesis& o) {
+      return close(o, h, limit_mm, kSameRotation);
+    });
+    if (repeated) {
+      count_drop(report, DropReason::kDuplicate);
+    } else if (count == out.size()) {
+      count_drop(report, DropReason::kLevelLimit);
+    } else {
+      out[count++] = h;
+    }
+  }
+  return static_cast<int>(count);
+}
+
+void align_and_solve_pnp(const PoseContext& context, std::span<Hypothesis> hypotheses) {
+  for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
+    const ModelInfo& info = model.info();
+    const double range_mm = 0.5 * info.diameter_mm + 0.75 * (info.distance_max_mm - info.distance_min_mm) /
+                                                         model.depth(model.depth_count() - 1).distance_count;
+    if (!align_depth(model, context.scene, range_mm, h.T_cam_centre)) {
+      h.drop(DropReason::kPoseDiverged);
+      return;
+    }
+    Correspondence found[kCorrespondencesMax];
+    const int count = template_correspondences(model, context.scene, h.T_cam_centre, kPnpRangePx, found);
+    if (count < 12) return;  // too few edges: ICP goes on from the template's pose
+    Pose solved = h.T_cam_centre;
+    const PnpResult result = solve_pnp({found, static_cast<std::size_t>(count)}, context.scene.intensity.camera, solved);
+    // Edges alone leave the distance loose; what they say about the rest of the pose must stay near the template.
+    const bool near = rotation_angle_between(solved.R, h.T_cam_centre.R) < 15 * kDegree &&
+                      (solved.t_mm - h.T_cam_centre.t_mm).norm() < 0.1 * info.diameter_mm;
+    if (result.converged && near && sane(solved)) h.T_cam_centre = solved;
+  });
+}
+
+void run_icp(const PoseContext& context, std::span<Hypothesis> hypotheses) {
+  for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
+    IcpParams params;
+    params.sample_step = 2;
+    params.gate_start_mm = std::max(0.08 * model.info().diameter_mm, 0.004 * h.T_cam_centre.t_mm.z());
+    params.gate_end_mm = std::max(0.02 * model.info().diameter_mm, 0.002 * h.T_cam_centre.t_mm.z());
+    const IcpResult result = icp(model, context.scene, params, h.T_cam_centre);
+    if (result.pairs < 10 || !sane(h.T_cam_centre)) h.drop(DropReason::kPoseDiverged);
+  });
+}
+
+void run_refine(const PoseContext& context, std::span<Hypothesis> hypotheses) {
+  for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
+    RefineParams params;
+    params.depth_gate_mm = std::max(0.02 * model.info().diameter_mm, 0.002 * h.T_cam_centre.t_mm.z());
+    refine(model, context.scene, params, h.T_cam_centre);
+    if (!sane(h.T_cam_centre)) h.drop(DropReason::kPoseDiverged);
+  });
+}
+
+void run_verify(const PoseContext& context, std::span<Hypothesis> hypotheses, bool with_contours) {
+  for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
+    h.evidence = verify(model, context.scene, h.T_cam_centre, with_contours);
+    h.rank = h.evidence.score();
+  });
+}
+
+int suppress(std::span<const ObjectModel> models, std::span<Hypothesis> hypotheses, int per_place, DetectionReport& report) {
+  for (const Hypothesis& h : hypotheses) {
+    if (!h.alive) count_drop(report, h.drop_reason);
+  }
+  std::sort(hypotheses.begin(), hypotheses.end(), [](const Hypothesis& a, const Hypothesis& b) {
+    if (a.alive != b.alive) return a.alive;
+    if (a.rank != b.rank) return a.rank > b.rank;
+    return a.candidate < b.candidate;
+  });
+  std::size_t kept = 0;
+  for (const Hypothesis& h : hypotheses) {
+    if (!h.alive) break;
+    const double diameter = models[h.candidate.model].info().diameter_mm;
+    int here = 0;
+    bool repeated = false;
+    for (std::size_t k = 0; k < kept && !repeated; ++k) {
+      const Hypothesis& better = hypotheses[k];
+      if (better.candidate.model != h.candidate.model) continue;
+      repeated = close(better, h, kSameRefinedShare * diameter, kSameRefinedRotation);
+      here += (better.T_cam_centre.t_mm - h.T_cam_centre.t_mm).norm() < kSamePlaceShare * diameter;
+    }
+    if (repeated || here >= per_place) {
+      count_drop(report, repeated ? DropReason::kDuplicate : DropReason::kLevelLimit);
+    } else {
+      hypotheses[kept++] = h;
+    }
+  }
+  return static_cast<int>(kept);
+}
+
+}  // namespace binpick

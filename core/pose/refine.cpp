@@ -1,0 +1,30 @@
+#include "pose/refine.hpp"
+
+#include <cmath>
+
+#include "pose/view_lookup.hpp"
+
+namespace binpick {
+
+void refine(const ObjectModel& model, const Scene& scene, const RefineParams& params, Pose& T) {
+  const double depth_sigma_mm = scene.sensor_sigma_ratio * T.t_mm.z();
+  const double depth_tolerance_mm = 0.02 * model.info().diameter_mm + 0.003 * T.t_mm.z();
+  const double radius = model.info().diameter_mm / 4;
+  const int last = params.iterations_max - 1;
+  for (int i = 0; i <= last; ++i) {
+    const Viewpoint& view = nearest_viewpoint(model, T);
+    const int range_px = params.contour_range_start_px -
+                         (params.contour_range_start_px - params.contour_range_end_px) * i / std::max(1, last);
+    NormalEquations equations;
+    const int pairs = add_depth_residuals(view, model, scene, T, 1, params.depth_gate_mm, depth_sigma_mm, equations);
+    const int edges = add_contour_residuals(view, model, scene, T, range_px, params.contour_sigma_px, depth_tolerance_mm, equations);
+    if (pairs + edges < 12) return;
+    const auto step = equations.solve(2 * radius * radius, 2);
+    const Vec3 turn = step.head<3>(), shift = step.tail<3>();
+    T = left_increment(T, turn, shift, T.t_mm);
+    if (turn.norm() * radius < 0.002 && shift.norm() < 0.002 && i > 2) break;
+  }
+  T.R = orthonormalized(T.R);
+}
+
+}  // namespace binpick

@@ -1,0 +1,110 @@
+#include "pose/verify.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pose/contour.hpp"
+#include "pose/view_lookup.hpp"
+
+namespace binpick {
+namespace {
+
+// Normals of model and measurement that differ by more than this do not support each other.
+constexpr double kNormalCosMin = 0.75;
+constexpr int kContourRangePx = 3;
+// What must be measured of a part before its score counts fully.
+constexpr double kMeasuredEnough = 0.35;
+
+struct Tolerances {
+  double fit_mm, conflict_mm;
+};
+
+Tolerances tolerances(const ObjectModel& model, const Scene& scene, const Pose& T) {
+  const double noise = scene.sensor_sigma_ratio * T.t_mm.z();
+  const double fit = std::max(2 * noise, 0.008 * model.info().diameter_mm);
+  return {fit, 3 * fit + 2 * noise};
+}
+
+// Cosine between a model normal (camera axes) and the measured one at a pixel; 1 where none was measured.
+double normal_agreement(const Scene& scene, int u, int v, const Vec3& p, const Vec3& n_cam) {
+  const std::ptrdiff_t i = v * scene.depth.stride + u;
+  if (!scene.depth.normal_valid[i]) return 1;
+  const double x = static_cast<double>(scene.depth.normal_x[i]), y = static_cast<double>(scene.depth.normal_y[i]);
+  const Vec3 n_ray(x, y, -std::sqrt(std::max(0.0, 1 - x * x - y * y)));
+  return n_cam.dot(rotation_between(Vec3::UnitZ(), p.normalized()) * n_ray);
+}
+
+void add_surface(const ObjectModel& model, const Scene& scene, const Pose& T, const Viewpoint& view, Evidence& e) {
+  const Tolerances tolerance = tolerances(model, scene, T);
+  float residuals[512];
+  int residual_count = 0;
+  for (const SurfaceSample& s : model.surface(view)) {
+    const Vec3 p = T * position_of(s);
+    const Vec3 n = T.R * normal_of(s);
+    ++e.samples;
+    const Vec2 uv = scene.depth.camera.project(p);
+    const int u = static_cast<int>(std::lround(uv.x())), v = static_cast<int>(std::lround(uv.y()));
+    const double z = static_cast<double>(scene.depth_at(u, v));
+    if (!(z > 0)) {
+      ++e.unknown;
+      continue;
+    }
+    const double r = n.dot(scene.depth.camera.unproject(u, v, z) - p);
+    if (z < p.z() && r > tolerance.conflict_mm) {
+      ++e.hidden;
+    } else if (z > p.z() && r < -tolerance.conflict_mm) {
+      ++e.contradicted;
+    } else {
+      ++e.measured;
+      const double fit = std::exp(-0.5 * r * r / (tolerance.fit_mm * tolerance.fit_mm));
+      const double agreement = normal_agreement(scene, u, v, p, n);
+      e.supported += fit * std::clamp((agreement - kNormalCosMin + 0.15) / 0.15, 0.2, 1.0);
+      if (residual_count < 512) residuals[residual_count++] = static_cast<float>(std::fabs(r));
+    }
+  }
+  if (residual_count > 0) {
+    std::nth_element(residuals, residuals + residual_count / 2, residuals + residual_count);
+    e.residual_mm = static_cast<double>(residuals[residual_count / 2]);
+  }
+}
+
+void add_contours(const ObjectModel& model, const Scene& scene, const Pose& T, const Viewpoint& view, Evidence& e) {
+  const double tolerance_mm = 2 * tolerances(model, scene, T).conflict_mm;
+  const PyramidLevel& level = scene.depth;
+  for (const ContourSample& s : model.contour(view)) {
+    if (s.is_silhouette < 0.5f) continue;
+    const ContourMatch m = match_contour(s, scene, T, kContourRangePx, tolerance_mm);
+    if (m.hidden) continue;
+    ++e.contours;
+    double support = 0;
+    if (m.found) support = 0.6 + 0.4 * (1 - std::abs(m.offset_px) / (kContourRangePx + 1));
+    // A depth edge of the right direction counts fully.
+    const Vec2 uv = level.camera.project(m.point_cam);
+    const int u = static_cast<int>(std::lround(uv.x())), v = static_cast<int>(std::lround(uv.y()));
+    if (u >= 1 && v >= 1 && u < level.width - 1 && v < level.height - 1) {
+      const std::uint8_t here = level.plain.gradient[v * level.plain.stride + u];
+      const double turn = std::atan2(m.normal_px.y(), m.normal_px.x()) * 8 / 3.14159265358979 + 16.5;
+      const int bin = static_cast<int>(turn) & 7;
+      const unsigned near = (1u << bin) | (1u << ((bin + 1) & 7)) | (1u << ((bin + 7) & 7));
+      if (here & near) support = 1;
+    }
+    e.contours_supported += support;
+  }
+}
+
+}  // namespace
+
+double Evidence::score() const {
+  const double seen = std::min(1.0, measured_fraction() / kMeasuredEnough);
+  return depth_support() * (0.5 + 0.5 * contour_support()) * seen;
+}
+
+Evidence verify(const ObjectModel& model, const Scene& scene, const Pose& T, bool with_contours) {
+  Evidence e;
+  const Viewpoint& view = nearest_viewpoint(model, T);
+  add_surface(model, scene, T, view, e);
+  if (with_contours) add_contours(model, scene, T, view, e);
+  return e;
+}
+
+}  // namespace binpick

@@ -1,0 +1,24 @@
+// The stored samples of the leaf viewpoint from which a part is seen.
+#pragma once
+
+#include "binpick/model/object_model.hpp"
+
+namespace binpick {
+
+// The leaf viewpoint nearest to the direction from which the camera sees the part at this pose.
+const Viewpoint& nearest_viewpoint(const ObjectModel& model, const Pose& T_cam_centre);
+
+inline Vec3 position_of(const SurfaceSample& s) {
+  return {static_cast<double>(s.position_mm[0]), static_cast<double>(s.position_mm[1]), static_cast<double>(s.position_mm[2])};
+}
+inline Vec3 normal_of(const SurfaceSample& s) {
+  return {static_cast<double>(s.normal[0]), static_cast<double>(s.normal[1]), static_cast<double>(s.normal[2])};
+}
+inline Vec3 position_of(const ContourSample& s) {
+  return {static_cast<double>(s.position_mm[0]), static_cast<double>(s.position_mm[1]), static_cast<double>(s.position_mm[2])};
+}
+inline Vec3 tangent_of(const ContourSample& s) {
+  return {static_cast<double>(s.tangent[0]), static_cast<double>(s.tangent[1]), static_cast<double>(s.tangent[2])};
+}
+
+}  // namespace binpick

@@ -1,0 +1,110 @@
+#include "search/descend.hpp"
+
+#include <algorithm>
+#include <atomic>
+
+namespace binpick {
+namespace {
+
+// Keeps the best kChildrenKept candidates, best first.
+struct BestChildren {
+  Candidate* slots;
+  void offer(const Candidate& c) {
+    if (!(c < slots[kChildrenKept - 1])) return;
+    int at = kChildrenKept - 1;
+    while (at > 0 && c < slots[at - 1]) {
+      slots[at] = slots[at - 1];
+      --at;
+    }
+    slots[at] = c;
+  }
+};
+
+int match_children(const DescendContext& context, int depth, const Candidate& parent, Candidate* out) {
+  const ObjectModel& model = context.models[parent.model];
+  const TreeDepth& below = model.depth(depth);
+  const Viewpoint& view = model.depth(depth - 1).viewpoints[static_cast<std::size_t>(parent.viewpoint)];
+  const ScalePlan& plan = context.plans[parent.model];
+  const PyramidLevel& level = context.pyramid.level(parent.level - 1);
+  BestChildren best{out};
+  int matched = 0;
+  for (int k = 2 * parent.distance; k < std::min(2 * parent.distance + 2, below.distance_count); ++k) {
+    const int scale_q8 = plan.scale_q8[depth][k];
+    for (int v = view.child_first; v < view.child_first + view.child_count; ++v) {
+      for (int r = 2 * parent.roll; r < 2 * parent.roll + 2; ++r) {
+        const TemplateRange& t = below.templates[static_cast<std::size_t>(v * below.roll_count + r)];
+        const std::span<const Feature> features = model.features(t);
+        simd::BlockSums sums;
+        const int x = 2 * parent.x, y = 2 * parent.y;
+        if (context.layout == MapLayout::kRearranged) {
+          context.kernels.match_block_rearranged(level.rearranged, x, y, features.data(), t.count, scale_q8, sums);
+        } else {
+          context.kernels.match_block_plain(level.plain, x, y, features.data(), t.count, scale_q8, sums);
+        }
+        ++matched;
+        const ScoreScale scale(t.gradient_weight_sum, t.normal_weight_sum);
+        for (int quad = 0; quad < 4; ++quad) {
+          Candidate c = parent;
+          c.x = static_cast<std::int16_t>(x + 2 * (quad % 2));
+          c.y = static_cast<std::int16_t>(y + 2 * (quad / 2));
+          c.viewpoint = static_cast<std::int16_t>(v);
+          c.roll = static_cast<std::int16_t>(r);
+          c.distance = static_cast<std::int16_t>(k);
+          c.level = static_cast<std::uint8_t>(parent.level - 1);
+          c.score = 0;
+          for (int p = 0; p < 4; ++p) {
+            const int i = (2 * (quad / 2) + p / 2) * 4 + 2 * (quad % 2) + p % 2;
+            const std::uint16_t s = scale.score(sums.gradient[i], sums.normal[i]);
+            if (s <= c.score) continue;
+            c.score = s;
+            c.best_pixel = static_cast<std::uint8_t>(p);
+          }
+          if (c.score >= context.threshold) best.offer(c);
+        }
+      }
+    }
+  }
+  return matched;
+}
+
+}  // namespace
+
+std::int64_t descend(const DescendContext& context, int depth, std::span<const Candidate> parents,
+                     std::span<Candidate> children, WorkerPool& pool) {
+  constexpr int kParentsPerTask = 32;
+  const int count = static_cast<int>(parents.size());
+  std::atomic<std::int64_t> matched{0};
+  pool.parallel_for((count + kParentsPerTask - 1) / kParentsPerTask, [&](int task, int) {
+    std::int64_t own = 0;
+    for (int i = task * kParentsPerTask; i < std::min(count, (task + 1) * kParentsPerTask); ++i) {
+      Candidate* out = &children[static_cast<std::size_t>(i) * kChildrenKept];
+      std::fill_n(out, kChildrenKept, Candidate{});
+      own += match_children(context, depth, parents[static_cast<std::size_t>(i)], out);
+    }
+    matched += own;
+  });
+  return matched;
+}
+
+int select_candidates(std::span<Candidate> candidates, int limit, int per_place, int place_px, const Roi& region,
+                      std::span<std::uint16_t> places, int& dropped) {
+  std::sort(candidates.begin(), candidates.end());
+  const int columns = region.width / place_px + 1, rows = region.height / place_px + 1;
+  BINPICK_ASSERT(places.size() >= static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  std::fill_n(places.begin(), columns * rows, std::uint16_t{0});
+  int kept = 0;
+  for (const Candidate& c : candidates) {
+    if (c.score == 0) break;
+    const int column = (c.x << c.level) / place_px, row = (c.y << c.level) / place_px;
+    std::uint16_t& held = places[static_cast<std::size_t>(row * columns + column)];
+    if (kept == limit || held == per_place) {
+      ++dropped;
+      continue;
+    }
+    ++held;
+    candidates[static_cast<std::size_t>(kept++)] = c;
+  }
+  return kept;
+}
+
+}  // namespace binpick

@@ -1,0 +1,128 @@
+#include "search/scan.hpp"
+
+#include <algorithm>
+
+#include "base/arena_plan.hpp"
+
+namespace binpick {
+namespace {
+
+constexpr int kReadAhead = 64;  // elements that the kernels may write beyond a row
+
+}  // namespace
+
+template <class Source>
+void Scanner::take(const ScanLimits& limits, Source& source) {
+  row_stride_ = (limits.width_max + kReadAhead + 63) / 64 * 64;
+  const auto rows = static_cast<std::size_t>(row_stride_) * 2 * static_cast<std::size_t>(limits.thread_count);
+  const auto cells = static_cast<std::size_t>((limits.width_max / 2 + 1) * (limits.height_max / 2 + 1));
+  templates_ = source.template take<Template>(static_cast<std::size_t>(limits.templates_max));
+  features_ = source.template take<simd::ScanFeature>(static_cast<std::size_t>(limits.features_max));
+  cells_ = source.template take<CellEntry>(cells * kTemplatesPerCell);
+  sums_ = source.template take<std::uint16_t>(rows);
+  scores_ = source.template take<std::uint16_t>(rows);
+}
+
+std::size_t Scanner::footprint(const ScanLimits& limits) {
+  ArenaPlan plan;
+  Arena empty(0);
+  Scanner counted(ScanLimits{}, empty);
+  counted.take(limits, plan);
+  return plan.bytes;
+}
+
+Scanner::Scanner(const ScanLimits& limits, Arena& arena) {
+  if (limits.templates_max > 0) take(limits, arena);
+}
+
+void Scanner::load_templates(const ObjectModel& model, int distance_index, const ScalePlan& plan, std::ptrdiff_t stride) {
+  const int d = model.info().scan_depth;
+  const TreeDepth& depth = model.depth(d);
+  const int scale = plan.scale_q8[d][distance_index];
+  template_count_ = static_cast<int>(depth.templates.size());
+  int used = 0;
+  for (int t = 0; t < template_count_; ++t) {
+    const TemplateRange& range = depth.templates[static_cast<std::size_t>(t)];
+    Template& to = templates_[static_cast<std::size_t>(t)];
+    to = {used, range.count, ScoreScale(range.gradient_weight_sum, range.normal_weight_sum),
+          static_cast<std::int16_t>(t / depth.roll_count), static_cast<std::int16_t>(t % depth.roll_count)};
+    for (const Feature& f : model.features(range)) {
+      const std::ptrdiff_t x = (f.x * scale + 128) >> 8, y = (f.y * scale + 128) >> 8;
+      features_[static_cast<std::size_t>(used++)] = {static_cast<std::int32_t>(y * stride + x), f.gradient_bits,
+                                                     f.gradient_weight, f.normal_bits, f.normal_weight};
+    }
+  }
+}
+
+void Scanner::insert(CellEntry* cell, CellEntry entry) const {
+  // Best first; of equal scores the earlier template stays ahead.
+  int at = kTemplatesPerCell - 1;
+  while (at > 0 && cell[at - 1].score < entry.score) {
+    cell[at] = cell[at - 1];
+    --at;
+  }
+  cell[at] = entry;
+}
+
+void Scanner::scan_cell_row(int cell_y, const PyramidLevel& level, const simd::KernelTable& kernels, int threshold, int thread) {
+  std::uint16_t* gradient = sums_.data() + static_cast<std::ptrdiff_t>(thread) * 2 * row_stride_;
+  std::uint16_t* normal = gradient + row_stride_;
+  std::uint16_t* scores = scores_.data() + static_cast<std::ptrdiff_t>(thread) * 2 * row_stride_;
+  CellEntry* row = cells_.data() + static_cast<std::ptrdiff_t>(cell_y) * columns_ * kTemplatesPerCell;
+  std::fill_n(row, columns_ * kTemplatesPerCell, CellEntry{static_cast<std::uint16_t>(threshold - 1), 0, 0});
+  for (int t = 0; t < template_count_; ++t) {
+    const Template& tpl = templates_[static_cast<std::size_t>(t)];
+    for (int j = 0; j < 2; ++j) {
+      kernels.scan_row(level.plain, (2 * cell_y + j) * level.plain.stride, level.width, &features_[static_cast<std::size_t>(tpl.first)],
+                       tpl.count, gradient, normal);
+      std::uint16_t* out = scores + j * row_stride_;
+      const ScoreScale scale = tpl.scale;
+      for (int x = 0; x < level.width; ++x) out[x] = scale.score(gradient[x], normal[x]);
+    }
+    for (int c = 0; c < columns_; ++c) {
+      const std::uint16_t quad[4] = {scores[2 * c], scores[2 * c + 1], scores[row_stride_ + 2 * c], scores[row_stride_ + 2 * c + 1]};
+      const int best = static_cast<int>(std::max_element(quad, quad + 4) - quad);
+      CellEntry* cell = row + c * kTemplatesPerCell;
+      if (quad[best] > cell[kTemplatesPerCell - 1].score) {
+        insert(cell, {quad[best], static_cast<std::uint16_t>(t), static_cast<std::uint8_t>(best)});
+      }
+    }
+  }
+}
+
+int Scanner::scan(const ObjectModel& model, int model_index, int distance_index, const ScalePlan& plan,
+                  const FeaturePyramid& pyramid, const simd::KernelTable& kernels, int threshold, WorkerPool& pool,
+                  std::span<Candidate> out, int& lost) {
+  const int l = plan.level[model.info().scan_depth][distance_index];
+  const PyramidLevel& level = pyramid.level(l);
+  load_templates(model, distance_index, plan, level.plain.stride);
+  columns_ = level.width / 2;
+  const int rows = level.height / 2;
+  pool.parallel_for(rows, [&](int y, int thread) { scan_cell_row(y, level, kernels, threshold, thread); });
+  std::size_t count = 0;
+  for (int i = 0; i < rows * columns_; ++i) {
+    for (int k = 0; k < kTemplatesPerCell; ++k) {
+      const CellEntry& e = cells_[static_cast<std::size_t>(i * kTemplatesPerCell + k)];
+      if (e.score < threshold) break;
+      if (count == out.size()) {
+        ++lost;
+        continue;
+      }
+      const Template& t = templates_[e.template_index];
+      Candidate c;
+      c.x = static_cast<std::int16_t>(2 * (i % columns_));
+      c.y = static_cast<std::int16_t>(2 * (i / columns_));
+      c.viewpoint = t.viewpoint;
+      c.roll = t.roll;
+      c.distance = static_cast<std::int16_t>(distance_index);
+      c.score = e.score;
+      c.model = static_cast<std::uint8_t>(model_index);
+      c.level = static_cast<std::uint8_t>(l);
+      c.best_pixel = e.pixel;
+      out[count++] = c;
+    }
+  }
+  return static_cast<int>(count);
+}
+
+}  // namespace binpick

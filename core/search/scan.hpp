@@ -1,0 +1,64 @@
+// Exhaustive scan of the templates of one tree depth over one pyramid level (paper section III-D). Keeps the best
+// templates of each cell of 2x2 pixels.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "binpick/base/arena.hpp"
+#include "binpick/base/worker_pool.hpp"
+#include "features/pyramid.hpp"
+#include "search/candidate.hpp"
+#include "search/scale_plan.hpp"
+
+namespace binpick {
+
+inline constexpr int kTemplatesPerCell = 12;
+
+struct ScanLimits {
+  int templates_max = 0;      // of one model and distance at its scan depth
+  int features_max = 0;       // of all of those together
+  int width_max = 0, height_max = 0;  // px, of the largest scanned level
+  int thread_count = 1;
+};
+
+class Scanner {
+ public:
+  static std::size_t footprint(const ScanLimits& limits);
+  Scanner(const ScanLimits& limits, Arena& arena);
+
+  // Scans one model at one distance of its scan depth. Writes the candidates with score >= threshold to `out`, cell by
+  // cell, and returns how many; those that find no room are counted in `lost`.
+  int scan(const ObjectModel& model, int model_index, int distance_index, const ScalePlan& plan,
+           const FeaturePyramid& pyramid, const simd::KernelTable& kernels, int threshold, WorkerPool& pool,
+           std::span<Candidate> out, int& lost);
+
+ private:
+  struct Template {
+    int first, count;
+    ScoreScale scale;
+    std::int16_t viewpoint, roll;
+  };
+  struct CellEntry {
+    std::uint16_t score;
+    std::uint16_t template_index;
+    std::uint8_t pixel;
+  };
+
+  template <class Source>
+  void take(const ScanLimits& limits, Source& source);
+  void load_templates(const ObjectModel& model, int distance_index, const ScalePlan& plan, std::ptrdiff_t stride);
+  void scan_cell_row(int cell_y, const PyramidLevel& level, const simd::KernelTable& kernels, int threshold, int thread);
+  void insert(CellEntry* cell, CellEntry entry) const;
+
+  int row_stride_ = 0;
+  int template_count_ = 0;
+  int columns_ = 0;
+  std::span<Template> templates_;
+  std::span<simd::ScanFeature> features_;
+  std::span<CellEntry> cells_;       // kTemplatesPerCell a cell, best first
+  std::span<std::uint16_t> sums_;    // per thread: gradient, normal
+  std::span<std::uint16_t> scores_;  // per thread: two rows
+};
+
+}  // namespace binpick

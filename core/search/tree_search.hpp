@@ -1,0 +1,57 @@
+// The search for one model in one frame: scan, then descent to the leaves of its pose tree.
+#pragma once
+
+#include <span>
+
+#include "binpick/base/arena.hpp"
+#include "binpick/detect/detection.hpp"
+#include "search/descend.hpp"
+#include "search/scan.hpp"
+
+namespace binpick {
+
+// How many candidates survive at each depth, counted from the scan depth. A place is a square with a fifth of the part's
+// image diameter as its side: the limit per place leaves room for poorly visible parts.
+struct SearchParams {
+  double score_min = 0.9;                  // of both modalities together, 0..2, at every depth
+  int candidates_max[4] = {8000, 5000, 3000, 3000};
+  int per_place_max[4] = {24, 12, 8, 8};
+};
+
+struct SearchLimits {
+  ScanLimits scan;
+  int region_width_max = 0, region_height_max = 0;
+};
+
+struct SearchContext {
+  std::span<const ObjectModel> models;
+  std::span<const ScalePlan> plans;
+  const FeaturePyramid& pyramid;
+  const simd::KernelTable& kernels;
+  MapLayout layout;
+  WorkerPool& pool;
+  ClockFn clock;
+};
+
+class TreeSearch {
+ public:
+  static std::size_t footprint(const SearchLimits& limits, const SearchParams& params);
+  TreeSearch(const SearchLimits& limits, const SearchParams& params, Arena& arena);
+
+  // Leaf candidates of one model, best first; valid until the next call. Adds its counts and times to the report.
+  std::span<const Candidate> run(const SearchContext& context, int model_index, DetectionReport& report);
+
+ private:
+  template <class Source>
+  void take(const SearchLimits& limits, const SearchParams& params, Source& source);
+
+  SearchParams params_;
+  Scanner scanner_;
+  std::span<Candidate> candidates_, children_;
+  std::span<std::uint16_t> places_;
+};
+
+// Scratch that lists what is taken once: see ArenaPlan.
+inline constexpr int kPlacePxMin = 8;
+
+}  // namespace binpick

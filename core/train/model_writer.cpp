@@ -1,0 +1,87 @@
+#include "train/model_writer.hpp"
+
+#include <cstring>
+
+#include "model/model_format.hpp"
+
+namespace binpick::train {
+namespace {
+
+template <class T>
+ModelTable append_table(std::vector<std::uint8_t>& bytes, const std::vector<T>& rows) {
+  bytes.resize((bytes.size() + kModelAlignment - 1) / kModelAlignment * kModelAlignment, 0);
+  const ModelTable table{bytes.size(), rows.size()};
+  bytes.resize(bytes.size() + rows.size() * sizeof(T));
+  if (!rows.empty()) std::memcpy(bytes.data() + table.offset_bytes, rows.data(), rows.size() * sizeof(T));
+  return table;
+}
+
+template <class T>
+void append(std::vector<T>& to, const std::vector<T>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tree, const TemplateSet& templates,
+                                      const std::vector<ViewSamples>& views) {
+  ModelHeader header;
+  std::memset(static_cast<void*>(&header), 0, sizeof(header));  // padding too: the same part gives the same bytes
+  std::memcpy(header.magic, kModelMagic, sizeof(kModelMagic));
+  header.version = kModelVersion;
+  header.header_bytes = sizeof(ModelHeader);
+  std::memcpy(static_cast<void*>(&header.info), &info, sizeof(info));
+  std::vector<std::uint8_t> bytes(sizeof(ModelHeader), 0);
+
+  std::vector<Feature> features;
+  std::vector<SurfaceSample> surface;
+  std::vector<ContourSample> contour;
+  const int depths = static_cast<int>(tree.depths.size());
+  for (int d = 0; d < depths; ++d) {
+    const TreeLayer& layer = tree.depths[d];
+    std::vector<Viewpoint> viewpoints;
+    for (std::size_t v = 0; v < layer.viewpoints.size(); ++v) {
+      const TreeViewpoint& from = layer.viewpoints[v];
+      Viewpoint to{};
+      for (int i = 0; i < 9; ++i) to.R_view_obj[i] = static_cast<float>(from.R_view_obj(i / 3, i % 3));
+      to.parent = from.parent;
+      to.child_first = from.child_first;
+      to.child_count = from.child_count;
+      if (d == depths - 1) {
+        to.surface_first = static_cast<std::uint32_t>(surface.size());
+        to.surface_count = static_cast<std::uint32_t>(views[v].surface.size());
+        to.contour_first = static_cast<std::uint32_t>(contour.size());
+        to.contour_count = static_cast<std::uint32_t>(views[v].contour.size());
+        append(surface, views[v].surface);
+        append(contour, views[v].contour);
+      }
+      viewpoints.push_back(to);
+    }
+    std::vector<TemplateRange> ranges;
+    for (const std::vector<Feature>& t : templates.depths[d]) {
+      TemplateRange range{};
+      range.first = static_cast<std::uint32_t>(features.size());
+      range.count = static_cast<std::uint16_t>(t.size());
+      for (const Feature& f : t) {
+        range.gradient_weight_sum = static_cast<std::uint16_t>(range.gradient_weight_sum + f.gradient_weight);
+        range.normal_weight_sum = static_cast<std::uint16_t>(range.normal_weight_sum + f.normal_weight);
+      }
+      append(features, t);
+      ranges.push_back(range);
+    }
+    header.depths[d].viewpoints = append_table(bytes, viewpoints);
+    header.depths[d].templates = append_table(bytes, ranges);
+    header.depths[d].roll_count = layer.roll_count;
+    header.depths[d].distance_count = layer.distance_count;
+  }
+  header.features = append_table(bytes, features);
+  header.surface = append_table(bytes, surface);
+  header.contour = append_table(bytes, contour);
+  header.file_bytes = bytes.size();
+  std::memcpy(bytes.data(), &header, sizeof(header));
+  header.checksum = model_checksum(std::span(bytes).subspan(kChecksumFrom));
+  std::memcpy(bytes.data(), &header, sizeof(header));
+  return bytes;
+}
+
+}  // namespace binpick::train

@@ -1,0 +1,165 @@
+#include "train/sample_pool.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <random>
+
+#include "binpick/train/errors.hpp"
+#include "features/surface_slope.hpp"
+
+namespace binpick::train {
+namespace {
+
+constexpr double kLeafDiameterPxMax = 128;
+constexpr double kDiameterPxMin = 12;
+// Narrower than this at the top of the pyramid, a part has no shape left: the scan starts one depth further down. (Not
+// further: the cost of a scan grows sixteenfold per depth.)
+constexpr double kScanWidthPxMin = 10;
+constexpr double kDegree = std::numbers::pi / 180;
+// Faces that meet at more than this angle show as an edge in the intensity image.
+const float kCreaseStep = 2 * std::sin(17.5f * static_cast<float>(kDegree));
+
+// Uniform in [0, 1) from a counter: independent of the order and the thread in which it is asked for.
+double hashed_uniform(std::uint64_t seed, std::uint64_t index) {
+  std::uint64_t x = seed * 0x9E3779B97F4A7C15ull + index + 0x632BE59BD9B4E019ull;
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBull;
+  return static_cast<double>((x ^ (x >> 31)) >> 11) * 0x1.0p-53;
+}
+
+// Gradient direction of the normals at a crease (structure tensor over the three components), if there is one.
+bool crease_angle(const RenderedView& view, int x, int y, float& angle_rad) {
+  const int w = view.width;
+  const float z = view.depth_mm[y * w + x];
+  for (int j = -1; j <= 1; ++j) {
+    for (int i = -1; i <= 1; ++i) {
+      const float zn = view.depth_mm[(y + j) * w + x + i];
+      if (!(zn > 0) || std::fabs(zn - z) > z * kSameSurfaceRatio) return false;
+    }
+  }
+  auto n = [&](int i, int j) -> const Eigen::Vector3f& { return view.normal_cam[(y + j) * w + x + i]; };
+  const Eigen::Vector3f gx = (n(1, -1) + 2 * n(1, 0) + n(1, 1)) - (n(-1, -1) + 2 * n(-1, 0) + n(-1, 1));
+  const Eigen::Vector3f gy = (n(-1, 1) + 2 * n(0, 1) + n(1, 1)) - (n(-1, -1) + 2 * n(0, -1) + n(1, -1));
+  const float xx = gx.squaredNorm(), yy = gy.squaredNorm(), xy = gx.dot(gy);
+  if (xx + yy < 16 * kCreaseStep * kCreaseStep) return false;
+  angle_rad = 0.5f * std::atan2(2 * xy, xx - yy);
+  return true;
+}
+
+}  // namespace
+
+TemplateCamera make_template_camera(const TrainOptions& options, const MeshBounds& bounds) {
+  TemplateCamera out;
+  const double diameter_mm = bounds.diameter_mm;
+  out.reference_distance_mm = (options.distance_min_mm + options.distance_max_mm) / 2;
+  const double nearest = out.reference_distance_mm - options.distance_jitter_mm - diameter_mm / 2;
+  if (nearest < diameter_mm / 4) {
+    throw TrainError("the part (diameter " + std::to_string(diameter_mm) +
+                     " mm) is too large for the distance range: the camera would be inside it");
+  }
+  const double focal = std::sqrt(options.camera.fx * options.camera.fy);
+  const double diameter_px = focal * diameter_mm / out.reference_distance_mm;
+  if (diameter_px < kDiameterPxMin) {
+    throw TrainError("the part spans only " + std::to_string(diameter_px) +
+                     " px at the reference distance; at least 12 are needed");
+  }
+  while (diameter_px / (1 << out.base_level) > kLeafDiameterPxMax) ++out.base_level;
+  const double f = focal / (1 << out.base_level);
+  out.radius = static_cast<int>(std::ceil(f * diameter_mm / 2 / nearest)) + 3;
+  out.radius = (out.radius + 7) / 8 * 8;
+  Vec3 extents = bounds.max_mm - bounds.min_mm;
+  std::sort(extents.data(), extents.data() + 3);
+  const double width_px = f * extents[1] / out.reference_distance_mm;
+  const int leaf = options.tree_depths - 1;
+  if (leaf > 1 && width_px / (1 << leaf) < kScanWidthPxMin) out.scan_depth = 1;
+  const int size = 2 * out.radius;
+  out.intrinsics = {size, size, f, f, static_cast<double>(out.radius), static_cast<double>(out.radius)};
+  return out;
+}
+
+void extract_features(const RenderedView& view, const CameraIntrinsics& camera, RenderedSample& out) {
+  out.contour.clear();
+  out.surface.clear();
+  const auto depth = view.depth_view();
+  const float cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
+  for (int y = 2; y < view.height - 2; ++y) {
+    for (int x = 2; x < view.width - 2; ++x) {
+      if (!(depth.at(x, y) > 0)) continue;
+      const float px = static_cast<float>(x) - cx, py = static_cast<float>(y) - cy;
+      const DepthStep step = depth_step(depth, x, y);
+      float angle = 0;
+      if (step.edge) {
+        // A Sobel filter answers on both sides of an outline: one pixel here, one beyond it.
+        angle = std::atan2(step.gy, step.gx);
+        out.contour.push_back({px, py, angle});
+        out.contour.push_back({px + std::round(std::cos(angle)), py + std::round(std::sin(angle)), angle});
+      } else if (crease_angle(view, x, y, angle)) {
+        out.contour.push_back({px, py, angle});
+      }
+      const RayNormal n = fit_ray_normal(depth, camera, x, y);
+      if (n.valid) out.surface.push_back({px, py, std::sqrt(n.x * n.x + n.y * n.y), std::atan2(n.y, n.x)});
+    }
+  }
+}
+
+std::vector<RenderedSample> make_sample_pool(const Mesh& centred_mesh, const TrainOptions& options,
+                                             const TemplateCamera& camera, int count, WorkerPool& pool,
+                                             const TrainProgress& progress) {
+  // Even cover of the sphere: the golden-angle spiral, in an order that is shuffled by the seed so
+  // that any run of indices is spread over the sphere too.
+  std::vector<int> order(count);
+  for (int i = 0; i < count; ++i) order[i] = i;
+  for (int i = count - 1; i > 0; --i) {
+    std::swap(order[i], order[static_cast<int>(hashed_uniform(options.seed, i) * (i + 1))]);
+  }
+  const double tilt_limit = std::min(180.0, options.tilt_max_deg + 8 + 1.5 * options.tilt_jitter_deg) * kDegree;
+  std::vector<RenderedSample> samples;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1 - (2.0 * order[i] + 1) / count;
+    const double turn = order[i] * std::numbers::pi * (3 - std::sqrt(5.0));
+    const double r = std::sqrt(std::max(0.0, 1 - z * z));
+    if (z < std::cos(tilt_limit) - 1e-12) continue;
+    RenderedSample s;
+    s.direction_obj = Vec3(r * std::cos(turn), r * std::sin(turn), z);
+    const Mat3 front = (Mat3() << 1, 0, 0, 0, -1, 0, 0, 0, -1).finished();  // camera above +z, looking down
+    s.R_view_obj = front * rotation_between(s.direction_obj, Vec3::UnitZ());
+    s.distance_mm = camera.reference_distance_mm +
+                    options.distance_jitter_mm * (2 * hashed_uniform(options.seed + 1, order[i]) - 1);
+    samples.push_back(std::move(s));
+  }
+
+  std::vector<std::unique_ptr<Renderer>> renderers(pool.thread_count());
+  std::vector<RenderedView> views(pool.thread_count());
+  const int size = camera.intrinsics.width;
+  pool.parallel_for(static_cast<int>(samples.size()), [&](int i, int thread) {
+    if (!renderers[thread]) renderers[thread] = std::make_unique<Renderer>(centred_mesh, size, size);
+    RenderedSample& s = samples[i];
+    renderers[thread]->render(camera.intrinsics, {s.R_view_obj, Vec3(0, 0, s.distance_mm)}, views[thread]);
+    extract_features(views[thread], camera.intrinsics, s);
+    if (progress && thread == 0) progress(static_cast<double>(i) / static_cast<double>(samples.size()));
+  });
+  return samples;
+}
+
+std::vector<AlignedSample> samples_near(const TreeViewpoint& view, const std::vector<RenderedSample>& pool,
+                                        double tilt_jitter_deg) {
+  std::vector<AlignedSample> near;
+  const double jitter = tilt_jitter_deg * kDegree;
+  const double cos_limit = std::cos(std::min(jitter * 1.5, std::numbers::pi));
+  for (int i = 0; i < static_cast<int>(pool.size()); ++i) {
+    const RenderedSample& s = pool[i];
+    const double c = view.direction_obj.dot(s.direction_obj);
+    if (c < cos_limit) continue;
+    const Mat3 Q = rotation_between(view.direction_obj, s.direction_obj);
+    const Vec3 tilt = view.R_view_obj * rotation_vector(Q);
+    if (std::abs(tilt.x()) > jitter || std::abs(tilt.y()) > jitter) continue;
+    // R_aligned = Rz(turn) R_sample, where R_aligned is the viewpoint's frame carried over to the sample's direction.
+    const Mat3 Z = view.R_view_obj * Q.transpose() * s.R_view_obj.transpose();
+    near.push_back({i, static_cast<float>(std::atan2(Z(1, 0), Z(0, 0)))});
+  }
+  return near;
+}
+
+}  // namespace binpick::train

@@ -1,0 +1,100 @@
+#include "binpick/train/trainer.hpp"
+
+#include <cmath>
+#include <cstring>
+
+#include "binpick/train/errors.hpp"
+#include "model/model_format.hpp"
+#include "train/model_writer.hpp"
+
+namespace binpick::train {
+namespace {
+
+void require(bool ok, const std::string& sentence) {
+  if (!ok) throw TrainError(sentence);
+}
+
+void check_options(const TrainOptions& o) {
+  require(o.camera.valid(), "the camera's focal lengths must be positive and finite");
+  require(std::isfinite(o.distance_min_mm) && std::isfinite(o.distance_max_mm) && o.distance_min_mm > 0 &&
+              o.distance_max_mm >= o.distance_min_mm,
+          "the distance range must be positive, with its minimum not above its maximum");
+  require(o.tilt_max_deg > 0 && o.tilt_max_deg <= 180, "the tilt limit must lie in (0, 180] degrees");
+  require(o.samples >= 10 && o.samples <= 100000, "the number of samples must lie in [10, 100000]");
+  require(o.gradient_threshold >= 0 && o.gradient_threshold < o.samples,
+          "the gradient threshold must lie between 0 and the number of samples");
+  require(o.normal_threshold >= 0 && o.normal_threshold < o.samples,
+          "the normal threshold must lie between 0 and the number of samples");
+  require(o.tilt_jitter_deg > 0.5 && o.tilt_jitter_deg <= 45, "the tilt jitter must lie in (0.5, 45] degrees");
+  require(o.roll_jitter_deg > 0 && o.roll_jitter_deg <= 90, "the roll jitter must lie in (0, 90] degrees");
+  require(o.distance_jitter_mm >= 0 && std::isfinite(o.distance_jitter_mm), "the distance jitter must not be negative");
+  require(o.roll_interval_deg >= 1 && o.roll_interval_deg <= 90, "the roll interval must lie in [1, 90] degrees");
+  require(o.distance_interval_mm > 0 && (o.distance_max_mm - o.distance_min_mm) / o.distance_interval_mm <= 1000,
+          "the distance interval must be positive and cut the range into at most 1000 steps");
+  require(o.tree_depths >= 2 && o.tree_depths <= kModelDepthsMax, "the pose tree must have 2 to 4 depths");
+  require(o.contour_features >= 0 && o.surface_features >= 0 && o.contour_features + o.surface_features >= 8 &&
+              o.contour_features + o.surface_features <= 255,
+          "a template must have 8 to 255 features");
+}
+
+Mesh centred(const Mesh& mesh, const Vec3& centre_mm) {
+  Mesh out = mesh;
+  for (auto& v : out.vertices_mm) v -= centre_mm.cast<float>();
+  return out;
+}
+
+ModelInfo make_info(const ImportedMesh& part, const MeshBounds& bounds, const TrainOptions& o, const TemplateCamera& camera) {
+  ModelInfo info;
+  std::memset(static_cast<void*>(&info), 0, sizeof(info));
+  info.source_hash = part.source_hash;
+  info.seed = o.seed;
+  info.camera = o.camera;
+  info.distance_min_mm = o.distance_min_mm;
+  info.distance_max_mm = o.distance_max_mm;
+  info.reference_distance_mm = camera.reference_distance_mm;
+  info.tilt_max_deg = o.tilt_max_deg;
+  info.diameter_mm = bounds.diameter_mm;
+  for (int i = 0; i < 3; ++i) {
+    info.bounds_min_mm[i] = bounds.min_mm[i];
+    info.bounds_max_mm[i] = bounds.max_mm[i];
+  }
+  info.tilt_jitter_deg = o.tilt_jitter_deg;
+  info.roll_jitter_deg = o.roll_jitter_deg;
+  info.distance_jitter_mm = o.distance_jitter_mm;
+  info.samples = o.samples;
+  info.gradient_threshold = o.gradient_threshold;
+  info.normal_threshold = o.normal_threshold;
+  info.base_level = camera.base_level;
+  info.scan_depth = camera.scan_depth;
+  info.depth_count = o.tree_depths;
+  info.triangle_count = static_cast<std::int32_t>(part.mesh.triangles.size());
+  info.source_unit = static_cast<std::int32_t>(part.unit);
+  info.normal_codebook = o.normal_codebook;
+  return info;
+}
+
+// A stage's own progress as its share of the whole.
+TrainProgress share_of(const TrainProgress& progress, double from, double to) {
+  if (!progress) return {};
+  return [=](double done) { progress(from + (to - from) * done); };
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> train_model(const ImportedMesh& part, const TrainOptions& options,
+                                      WorkerPool& pool, const TrainProgress& progress) {
+  check_options(options);
+  require(!part.mesh.triangles.empty(), "the mesh has no triangles");
+  const MeshBounds bounds = mesh_bounds(part.mesh);
+  const Mesh mesh = centred(part.mesh, (bounds.min_mm + bounds.max_mm) / 2);
+  const TemplateCamera camera = make_template_camera(options, bounds);
+  const PoseTree tree = make_pose_tree(options);
+  const RollBlocks blocks = make_roll_blocks(options, tree.leaves().roll_count);
+  const std::vector<RenderedSample> samples = make_sample_pool(
+      mesh, options, camera, sample_pool_size(options, blocks), pool, share_of(progress, 0, 0.25));
+  const std::vector<ViewSamples> views = make_view_samples(mesh, tree, camera, pool);
+  const TemplateSet templates = build_templates(tree, samples, camera, options, pool, share_of(progress, 0.3, 1));
+  return write_model(make_info(part, bounds, options, camera), tree, templates, views);
+}
+
+}  // namespace binpick::train
