@@ -1,0 +1,84 @@
+#include "cli/arguments.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+namespace binpick::app {
+namespace {
+
+constexpr int kPixelsMax = 1000000;  // beyond any sensor; sums of two still fit an int
+
+[[noreturn]] void refuse(const std::string& option, const std::string& text,
+                         const std::string& expected) {
+  throw CLI::ValidationError(option, "'" + text + "': " + expected);
+}
+
+// The numbers between separators; empty when any is not wholly a number.
+template <class Number>
+std::vector<Number> split_numbers(const std::string& text, char separator) {
+  std::vector<Number> numbers;
+  const char* p = text.data();
+  const char* const end = p + text.size();
+  for (;;) {
+    Number number{};
+    const auto [stop, error] = std::from_chars(p, end, number);
+    if (error != std::errc()) return {};
+    numbers.push_back(number);
+    if (stop == end) return numbers;
+    if (*stop != separator) return {};
+    p = stop + 1;
+  }
+}
+
+}  // namespace
+
+std::pair<double, double> parse_range(const std::string& option, const std::string& text) {
+  const std::vector<double> v = split_numbers<double>(text, ':');
+  const bool right = v.size() == 2 && std::isfinite(v[1]) && v[0] > 0 && v[0] < v[1];
+  if (!right) refuse(option, text, "expected MIN:MAX, two positive numbers, the smaller one first");
+  return {v[0], v[1]};
+}
+
+Roi parse_roi(const std::string& option, const std::string& text) {
+  const std::vector<int> v = split_numbers<int>(text, ',');
+  const auto absurd = [](int pixels) { return std::abs(pixels) > kPixelsMax; };
+  if (v.size() != 4 || v[2] <= 0 || v[3] <= 0 || std::any_of(v.begin(), v.end(), absurd)) {
+    refuse(option, text, "expected x,y,width,height: four whole numbers, a positive size");
+  }
+  return {v[0], v[1], v[2], v[3]};
+}
+
+drivers::FrameId parse_frame_id(const std::string& option, const std::string& text) {
+  const std::vector<int> v = split_numbers<int>(text, '/');
+  if (v.size() != 2 || v[0] < 0 || v[1] < 0) {
+    refuse(option, text, "expected SCENE/IMAGE, two whole numbers");
+  }
+  return {v[0], v[1]};
+}
+
+Isa parse_isa(const std::string& option, const std::string& text) {
+  Isa isa = Isa::kBest;
+  if (!isa_from_name(text, isa)) {
+    refuse(option, text, "expected best, scalar, sse4, avx2 or avx512");
+  }
+  if (!isa_supported(isa)) refuse(option, text, "this machine cannot run it");
+  return isa;
+}
+
+train::LengthUnit parse_unit(const std::string& option, const std::string& text) {
+  if (text.empty()) return train::LengthUnit::kGuess;
+  if (text == "mm") return train::LengthUnit::kMillimetre;
+  if (text == "m") return train::LengthUnit::kMetre;
+  if (text == "inch") return train::LengthUnit::kInch;
+  refuse(option, text, "expected mm, m or inch");
+}
+
+std::string size_text(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+}  // namespace binpick::app

@@ -1,0 +1,141 @@
+// binpick train: a CAD file in, a model file out.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "binpick/drivers/loaded_frame.hpp"
+#include "binpick/train/trainer.hpp"
+#include "cli/arguments.hpp"
+#include "cli/commands.hpp"
+#include "cli/model_summary.hpp"
+#include "cli/number_between.hpp"
+#include "cli/progress.hpp"
+#include "replace_file.hpp"
+#include "setup_error.hpp"
+#include "thread_pool.hpp"
+
+namespace binpick::app {
+namespace {
+
+struct TrainArguments {
+  std::string mesh, output, camera, distance_mm, unit;
+  std::string normal_codebook = codebook_name(train::TrainOptions{}.normal_codebook);
+  int threads = default_thread_count();
+  train::TrainOptions options;
+};
+
+// A sensor of one megapixel that sees a bin from half a metre to a metre: what is trained for when
+// nothing better is known. Detection re-scales to the camera it meets.
+constexpr CameraIntrinsics kTypicalCamera{1280, 1024, 1900, 1900, 639.5, 511.5};
+
+CameraIntrinsics camera_of(const TrainArguments& arguments) {
+  if (arguments.camera.empty()) {
+    std::fprintf(stderr,
+                 "binpick: warning: no --camera given: training for %dx%d pixels and a focal "
+                 "length of %g px\n",
+                 kTypicalCamera.width, kTypicalCamera.height, kTypicalCamera.fx);
+    return kTypicalCamera;
+  }
+  const CameraIntrinsics camera = drivers::load_camera_file(arguments.camera).intrinsics;
+  if (camera.width <= 0 || camera.height <= 0) {
+    throw SetupError(arguments.camera + ": gives no width and height of the image");
+  }
+  return camera;
+}
+
+int train_part(TrainArguments arguments) {
+  train::TrainOptions& options = arguments.options;
+  const train::LengthUnit unit = parse_unit("--unit", arguments.unit);
+  if (!arguments.distance_mm.empty()) {
+    const auto [min_mm, max_mm] = parse_range("--distance-mm", arguments.distance_mm);
+    options.distance_min_mm = min_mm;
+    options.distance_max_mm = max_mm;
+  }
+  options.normal_codebook = arguments.normal_codebook == codebook_name(NormalCodebook::kAzimuth)
+                                ? NormalCodebook::kAzimuth
+                                : NormalCodebook::kHemisphere;
+  check_replaceable(arguments.output);
+  const train::ImportedMesh part = train::import_mesh(arguments.mesh, unit);
+  for (const std::string& note : part.notes)
+    std::fprintf(stderr, "binpick: warning: %s\n", note.c_str());
+  options.camera = camera_of(arguments);
+
+  ThreadPool pool(arguments.threads);
+  double elapsed_s = 0;
+  std::vector<std::uint8_t> model;
+  {
+    Progress progress("training");
+    model = train::train_model(part, options, pool, [&](double share) { progress.update(share); });
+    elapsed_s = progress.elapsed_s();
+  }
+  replace_file(arguments.output, model);
+  std::printf("%s: %zu triangles, trained in %.1f s on %d threads, %.1f MB\n",
+              arguments.output.c_str(), part.mesh.triangles.size(), elapsed_s, arguments.threads,
+              static_cast<double>(model.size()) * 1e-6);
+  return 0;
+}
+
+void add_template_options(CLI::App& command, TrainArguments& arguments) {
+  train::TrainOptions& options = arguments.options;
+  const char* const group = "Templates (defaults are the paper's)";
+  const auto add = [&]<class T>(const char* name, T& value, const char* what, T min, T max) {
+    command.add_option(name, value, what)
+        ->check(number_between(min, max))
+        ->capture_default_str()
+        ->group(group);
+  };
+  add("--samples", options.samples, "Randomized renderings a template", 1, 100000);
+  add("--gradient-threshold", options.gradient_threshold,
+      "Votes, of the samples, that a gradient orientation needs", 1, 100000);
+  add("--normal-threshold", options.normal_threshold,
+      "Votes, of the samples, that a normal orientation needs", 1, 100000);
+  add("--tilt-jitter-deg", options.tilt_jitter_deg, "Samples tilt by up to this, +-", 0.0, 45.0);
+  add("--roll-jitter-deg", options.roll_jitter_deg, "Samples roll by up to this, +-", 0.0, 45.0);
+  add("--distance-jitter-mm", options.distance_jitter_mm, "Samples move by up to this, +-", 0.0,
+      1e4);
+  add("--roll-interval-deg", options.roll_interval_deg, "Roll from leaf to leaf", 1.0, 90.0);
+  add("--distance-interval-mm", options.distance_interval_mm, "Distance from leaf to leaf, at most",
+      1.0, 1e4);
+  add("--tree-depths", options.tree_depths, "Depths of the pose tree: 4 end at 642 viewpoints", 1,
+      4);
+  add("--contour-features", options.contour_features,
+      "Pixels of a template with a gradient orientation, at most", 1, 4096);
+  add("--surface-features", options.surface_features,
+      "Further pixels with a normal orientation only, at most", 0, 4096);
+  command
+      .add_option("--normal-codebook", arguments.normal_codebook,
+                  "How normals are quantized: hemisphere, or azimuth as in the paper")
+      ->check(CLI::IsMember({"hemisphere", "azimuth"}))
+      ->capture_default_str()
+      ->group(group);
+}
+
+}  // namespace
+
+void add_train_command(CLI::App& app, int& exit_status) {
+  auto arguments = std::make_shared<TrainArguments>();
+  CLI::App& command = *app.add_subcommand("train", "Learn a part from its CAD file");
+  train::TrainOptions& options = arguments->options;
+  command.add_option("MESH", arguments->mesh, "CAD file: STL, PLY, OBJ, glTF, ...")->required();
+  command.add_option("-o,--output", arguments->output, "Model file to write")->required();
+  command.add_option("--camera", arguments->camera,
+                     "Camera file: JSON with fx, fy, cx, cy (or cam_K), width, height");
+  command.add_option("--distance-mm", arguments->distance_mm,
+                     "Camera to the part's origin, MIN:MAX [500:700]");
+  command
+      .add_option("--tilt-deg", options.tilt_max_deg,
+                  "Viewpoints within this angle of the part's +z axis; 180: all around")
+      ->check(number_between(0.0, 180.0))
+      ->capture_default_str();
+  command.add_option("--unit", arguments->unit, "Unit of the CAD file: mm, m or inch [guessed]");
+  command.add_option("--threads", arguments->threads, "Threads to use")
+      ->check(number_between(1, 256))
+      ->capture_default_str();
+  command.add_option("--seed", options.seed, "Seed of the random samples")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  add_template_options(command, *arguments);
+  command.callback([arguments, &exit_status] { exit_status = train_part(*arguments); });
+}
+
+}  // namespace binpick::app

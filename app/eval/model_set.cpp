@@ -1,0 +1,137 @@
+#include "eval/model_set.hpp"
+
+#include <chrono>
+#include <stdexcept>
+
+namespace binpick::app {
+namespace {
+
+using drivers::DatasetError;
+
+constexpr std::size_t kRangeFramesMax = 20;
+
+// What the frames of a group tell about camera and distances; read once, used for every object.
+struct GroupMeasurements {
+  CameraIntrinsics camera;
+  std::map<std::size_t, DistanceRange> ranges;  // by index into the plan's frames
+};
+
+// At most kRangeFramesMax of them, spread evenly.
+std::vector<std::size_t> spread(const std::vector<std::size_t>& indices) {
+  if (indices.size() <= kRangeFramesMax) return indices;
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < kRangeFramesMax; ++i)
+    chosen.push_back(indices[i * indices.size() / kRangeFramesMax]);
+  return chosen;
+}
+
+std::map<int, std::vector<std::size_t>> frames_to_measure(const ModelSetRequest& request) {
+  std::map<int, std::vector<std::size_t>> frames;  // by object
+  for (const std::size_t i : request.group.frames) {
+    for (const int obj_id : request.plan.frames[i].objects) frames[obj_id].push_back(i);
+  }
+  for (auto& [obj_id, indices] : frames) indices = spread(indices);
+  return frames;
+}
+
+GroupMeasurements measure(const ModelSetRequest& request,
+                          const std::map<int, std::vector<std::size_t>>& frames_of_object) {
+  GroupMeasurements found;
+  std::set<std::size_t> indices;
+  for (const auto& [obj_id, of_object] : frames_of_object)
+    indices.insert(of_object.begin(), of_object.end());
+  for (const std::size_t i : indices) {
+    const drivers::FrameId id = request.plan.frames[i].id;
+    try {
+      const drivers::LoadedFrame frame =
+          request.dataset.load_frame(request.plan.scenes.at(id.scene_id), id.im_id);
+      if (found.camera.width == 0) found.camera = frame.camera;
+      if (const auto range = measured_range(frame.view())) found.ranges[i] = *range;
+    } catch (const DatasetError&) {
+      // Named when its turn to be looked at comes.
+    }
+  }
+  return found;
+}
+
+// The bytes and the parsed model; trains when the cache has none that can be read.
+std::vector<std::uint8_t> train_or_find(const Part& part, const train::TrainOptions& options,
+                                        const ModelCache& cache, WorkerPool& pool,
+                                        const EvalTalk& talk, ModelOrigin& origin) {
+  const std::uint64_t key = training_key(part.imported.source_hash, options);
+  if (auto bytes = cache.find(origin.obj_id, key)) {
+    const auto model = ObjectModel::parse(*bytes);
+    origin.from_cache = model.ok();
+    if (model.ok()) return std::move(*bytes);
+    if (talk.note) {
+      talk.note(cache.path_of(origin.obj_id, key) + ": " + error_message(model.error().code) +
+                "; training anew");
+    }
+  }
+  const std::string what = "training object " + std::to_string(origin.obj_id);
+  const auto begin = std::chrono::steady_clock::now();
+  std::vector<std::uint8_t> bytes =
+      train::train_model(part.imported, options, pool, [&](double share) {
+        if (talk.progress) talk.progress(what, share);
+      });
+  origin.train_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  cache.keep(origin.obj_id, key, bytes);
+  return bytes;
+}
+
+}  // namespace
+
+void ModelSet::add(const ModelOrigin& origin, std::vector<std::uint8_t> bytes,
+                   const ObjectModel& model) {
+  bytes_.push_back(
+      std::move(bytes));  // moving keeps the block in place, and with it what the model borrows
+  models_.push_back(model);
+  origins_.push_back(origin);
+}
+
+int ModelSet::index_of(int obj_id) const {
+  for (std::size_t i = 0; i < origins_.size(); ++i) {
+    if (origins_[i].obj_id == obj_id) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+ModelSet make_model_set(const ModelSetRequest& request, WorkerPool& pool, const EvalTalk& talk,
+                        std::vector<std::string>& faults) {
+  const auto frames_of_object = frames_to_measure(request);
+  const GroupMeasurements measured = measure(request, frames_of_object);
+  ModelSet set;
+  for (const auto& [obj_id, frames] : frames_of_object) {
+    const Part& part = request.parts.at(obj_id);
+    std::vector<DistanceRange> ranges;
+    for (const std::size_t i : frames) {
+      if (measured.ranges.contains(i)) ranges.push_back(measured.ranges.at(i));
+    }
+    const auto range = training_range(ranges, part.model.diameter_mm, measured.camera);
+    if (!range) {
+      faults.push_back(
+          "object " + std::to_string(obj_id) +
+          ": none of its frames has depth inside the region of interest, so there is no distance "
+          "to train for");
+      if (talk.note) talk.note(faults.back());
+      continue;
+    }
+    train::TrainOptions options = request.options;
+    options.camera = measured.camera;
+    options.distance_min_mm = range->min_mm;
+    options.distance_max_mm = range->max_mm;
+    ModelOrigin origin{obj_id, *range, false, 0, 0};
+    std::vector<std::uint8_t> bytes =
+        train_or_find(part, options, request.cache, pool, talk, origin);
+    origin.bytes = bytes.size();
+    auto model = ObjectModel::parse(bytes);
+    if (!model.ok()) {
+      throw std::runtime_error("the model just trained for object " + std::to_string(obj_id) +
+                               " is not valid: " + error_message(model.error().code));
+    }
+    set.add(origin, std::move(bytes), model.value());
+  }
+  return set;
+}
+
+}  // namespace binpick::app

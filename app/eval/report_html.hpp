@@ -1,0 +1,34 @@
+// The report of an evaluation: one HTML page that carries everything it shows, so that it can be
+// mailed or kept beside the results.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "eval/model_set.hpp"
+#include "eval/run_summary.hpp"
+#include "eval/score.hpp"
+
+namespace binpick::app {
+
+struct ReportPicture {
+  std::string caption;
+  std::vector<std::uint8_t> png;
+};
+
+struct ReportContent {
+  std::string title;
+  std::vector<std::pair<std::string, std::string>>
+      facts;  // name, value: data set, options, machine
+  ScoreReport score;
+  std::vector<RunLine> lines;
+  std::vector<ModelOrigin> models;
+  std::vector<std::string> faults;
+  std::vector<ReportPicture> pictures;
+};
+
+std::string report_html(const ReportContent& content);
+
+}  // namespace binpick::app

@@ -1,0 +1,42 @@
+#include "eval/score_truth.hpp"
+
+namespace binpick::app {
+namespace {
+
+bool inside(const Roi& roi, const Vec2& pixel) {
+  return roi.whole_image() || (roi.x <= pixel.x() && pixel.x() < roi.x + roi.width &&
+                               roi.y <= pixel.y() && pixel.y() < roi.y + roi.height);
+}
+
+}  // namespace
+
+TruthByFrame load_score_truth(const drivers::BopDataset& dataset, const drivers::BopScene& scene) {
+  TruthByFrame frames;
+  for (const auto& [im_id, instances] : drivers::load_truth(dataset, scene.scene_id)) {
+    const auto camera = scene.frames.find(im_id);
+    if (camera == scene.frames.end()) {
+      throw drivers::DatasetError(scene.path + "/scene_camera.json: has no entry for image " +
+                                  std::to_string(im_id) + " of scene_gt.json");
+    }
+    std::vector<ScoredInstance>& list = frames[{scene.scene_id, im_id}];
+    for (const drivers::TruthInstance& t : instances) {
+      const Vec2 pixel = camera->second.intrinsics.project(t.T_cam_obj.t_mm);
+      list.push_back({t, inside(camera->second.roi, pixel)});
+    }
+  }
+  return frames;
+}
+
+TruthByFrame load_score_truth(const drivers::BopDataset& dataset, const std::set<int>& scene_ids) {
+  TruthByFrame frames;
+  const auto targets = drivers::load_targets(dataset);
+  for (const int scene_id : scene_ids) {
+    TruthByFrame scene_frames = load_score_truth(dataset, dataset.scene(scene_id));
+    if (targets)
+      std::erase_if(scene_frames, [&](const auto& f) { return !targets->contains(f.first); });
+    frames.merge(scene_frames);
+  }
+  return frames;
+}
+
+}  // namespace binpick::app

@@ -1,0 +1,74 @@
+// binpick: trains parts from CAD files, finds them in frames, and measures how well.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+
+#include "binpick/drivers/loaded_frame.hpp"
+#include "binpick/train/errors.hpp"
+#include "cli/commands.hpp"
+#include "setup_error.hpp"
+
+namespace binpick::app {
+namespace {
+
+// What the exit status tells a script. 78 is EX_CONFIG: trying again with the same input is
+// useless.
+enum ExitStatus : int { kFailure = 1, kUsage = 2, kCannotStart = 78 };
+
+int report(ExitStatus status, std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  std::fflush(stdout);
+  std::fprintf(stderr, "binpick: error: %s\n", message.c_str());
+  return status;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Finds the poses of industrial parts in a bin, from their CAD files.", "binpick");
+  app.set_version_flag("--version", "binpick " BINPICK_VERSION);
+  app.set_help_all_flag("--help-all", "Print the help of every command");
+  app.require_subcommand(1);
+  int exit_status = 0;
+  add_train_command(app, exit_status);
+  add_detect_command(app, exit_status);
+  add_info_command(app, exit_status);
+  add_eval_command(app, exit_status);
+  add_score_command(app, exit_status);
+  // CLI11 would only say that a command is missing.
+  const auto is_first_word = [&](const CLI::App* command) {
+    return command->get_name() == argv[1];
+  };
+  if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_first_word).empty()) {
+    return report(kUsage,
+                  std::string("there is no command '") + argv[1] + "' (see binpick --help)");
+  }
+  try {
+    app.parse(argc, argv);
+    return exit_status;
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);  // help or version was asked for
+    return report(kUsage, std::string(e.what()) + " (see binpick --help)");
+  }
+}
+
+}  // namespace
+}  // namespace binpick::app
+
+int main(int argc, char** argv) {
+  using namespace binpick;
+  try {
+    return app::run(argc, argv);
+  } catch (const app::SetupError& e) {
+    return app::report(app::kCannotStart, e.what());
+  } catch (const drivers::DatasetError& e) {
+    return app::report(app::kCannotStart, e.what());
+  } catch (const train::ImportError& e) {
+    return app::report(app::kCannotStart, e.what());
+  } catch (const std::bad_alloc&) {
+    return app::report(app::kFailure, "out of memory");
+  } catch (const std::exception& e) {
+    return app::report(app::kFailure, e.what());
+  }
+}

@@ -1,0 +1,30 @@
+#include "overlay/model_contour.hpp"
+
+namespace binpick::app {
+
+std::vector<Vec2> contour_points_px(const ObjectModel& model, const CameraIntrinsics& camera,
+                                    const Pose& T_cam_obj) {
+  // From the camera to the part, in object axes; for a trained viewpoint that is the third row of
+  // its rotation.
+  const Vec3 sight = T_cam_obj.R.transpose() * T_cam_obj.t_mm.normalized();
+  const TreeDepth& leaves = model.depth(model.depth_count() - 1);
+  const Viewpoint* nearest = nullptr;
+  double nearest_cos = -2;
+  for (const Viewpoint& v : leaves.viewpoints) {
+    const Vec3 axis(v.R_view_obj[6], v.R_view_obj[7], v.R_view_obj[8]);
+    if (axis.dot(sight) > nearest_cos) {
+      nearest_cos = axis.dot(sight);
+      nearest = &v;
+    }
+  }
+  std::vector<Vec2> points;
+  if (nearest == nullptr) return points;
+  for (const ContourSample& sample : model.contour(*nearest)) {
+    const Vec3 point(sample.position_mm[0], sample.position_mm[1], sample.position_mm[2]);
+    const Vec3 point_cam = T_cam_obj * point;
+    if (point_cam.z() > 0) points.push_back(camera.project(point_cam));
+  }
+  return points;
+}
+
+}  // namespace binpick::app

@@ -1,0 +1,142 @@
+#include "binpick/drivers/bop_dataset.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "replay/camera_json.hpp"
+
+namespace fs = std::filesystem;
+
+namespace binpick::drivers {
+namespace {
+
+std::string six_digits(int id) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%06d", id);
+  return text;
+}
+
+// The image `id` in `folder`, whatever its format. Throws when there is none.
+std::string image_path(const fs::path& folder, int id) {
+  const fs::path stem = folder / six_digits(id);
+  for (const char* extension : {".png", ".tif", ".tiff", ".jpg", ".jpeg"}) {
+    const fs::path path = stem.string() + extension;
+    std::error_code error;
+    if (fs::is_regular_file(path, error)) return path.string();
+  }
+  throw DatasetError(stem.string() + ".*: there is no such PNG, TIFF or JPEG file");
+}
+
+Pose symmetry_from_json(const JsonNode& node) {
+  const std::vector<double> v = node.numbers(16);
+  const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> M(v.data());
+  const Pose symmetry{M.block<3, 3>(0, 0), M.block<3, 1>(0, 3)};
+  const Mat3 error = symmetry.R * symmetry.R.transpose() - Mat3::Identity();
+  if (error.cwiseAbs().maxCoeff() > 1e-3 || symmetry.R.determinant() < 0)
+    node.fail("is not a rotation");
+  return symmetry;
+}
+
+BopModel model_from_json(const JsonNode& node) {
+  BopModel model;
+  model.diameter_mm = node.at("diameter").number();
+  if (model.diameter_mm <= 0) node.at("diameter").fail("is not positive");
+  if (const auto list = node.find("symmetries_discrete")) {
+    for (const JsonNode& n : list->elements())
+      model.symmetries_discrete.push_back(symmetry_from_json(n));
+  }
+  if (const auto list = node.find("symmetries_continuous")) {
+    for (const JsonNode& n : list->elements()) {
+      ContinuousSymmetry symmetry;
+      symmetry.axis = n.at("axis").vector3();
+      if (symmetry.axis.norm() < 1e-9) n.at("axis").fail("has no length");
+      symmetry.axis.normalize();
+      if (const auto offset = n.find("offset")) symmetry.offset_mm = offset->vector3();
+      model.symmetries_continuous.push_back(symmetry);
+    }
+  }
+  return model;
+}
+
+}  // namespace
+
+std::string frame_name(FrameId id) {
+  return six_digits(id.scene_id) + "/" + six_digits(id.im_id);
+}
+
+BopDataset::BopDataset(const std::string& root, const std::string& split)
+    : root_(root), split_path_((fs::path(root) / split).string()) {
+  std::error_code error;
+  if (!fs::is_directory(root_, error)) throw DatasetError(root_ + ": there is no such folder");
+  if (!fs::is_directory(split_path_, error)) {
+    throw DatasetError(split_path_ +
+                       ": there is no such folder; a BOP data set keeps its scenes there");
+  }
+  fs::directory_iterator entries(split_path_, error);
+  if (error) throw DatasetError(split_path_ + ": cannot be listed (" + error.message() + ")");
+  for (const fs::directory_entry& entry : entries) {
+    const std::string name = entry.path().filename().string();
+    const bool digits =
+        std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
+    if (!entry.is_directory(error) || !digits || name.size() > 9) continue;
+    scene_paths_[std::stoi(name)] = entry.path().string();
+  }
+  for (const auto& [id, path] : scene_paths_) scene_ids_.push_back(id);
+  if (scene_ids_.empty())
+    throw DatasetError(split_path_ + ": holds no scene (a folder named by a number)");
+}
+
+std::string BopDataset::scene_path(int scene_id) const {
+  const auto it = scene_paths_.find(scene_id);
+  if (it == scene_paths_.end()) {
+    throw DatasetError(split_path_ + ": has no scene " + std::to_string(scene_id));
+  }
+  return it->second;
+}
+
+BopScene BopDataset::scene(int scene_id) const {
+  BopScene scene{scene_id, scene_path(scene_id), {}};
+  const std::string path = (fs::path(scene.path) / "scene_camera.json").string();
+  const nlohmann::json json = read_json_file(path);
+  for (const auto& [key, node] : JsonNode(json, path).members()) {
+    const FrameCamera camera = camera_from_json(node);
+    if (!camera.depth_scale) node.fail("has no key \"depth_scale\"");
+    scene.frames[id_from_key(key, node)] = camera;
+  }
+  return scene;
+}
+
+LoadedFrame BopDataset::load_frame(const BopScene& scene, int im_id) const {
+  const auto it = scene.frames.find(im_id);
+  const fs::path folder = scene.path;
+  if (it == scene.frames.end()) {
+    throw DatasetError((folder / "scene_camera.json").string() + ": has no entry for image " +
+                       std::to_string(im_id));
+  }
+  // A sensor without intensity has neither folder; a folder without the image is a fault.
+  std::error_code error;
+  std::string intensity;
+  if (fs::is_directory(folder / "gray", error)) {
+    intensity = image_path(folder / "gray", im_id);
+  } else if (fs::is_directory(folder / "rgb", error)) {
+    intensity = image_path(folder / "rgb", im_id);
+  }
+  return load_frame_files(image_path(folder / "depth", im_id), intensity, it->second);
+}
+
+std::map<int, BopModel> BopDataset::models() const {
+  const fs::path folder = fs::path(root_) / "models";
+  const std::string path = (folder / "models_info.json").string();
+  const nlohmann::json json = read_json_file(path);
+  std::map<int, BopModel> models;
+  for (const auto& [key, node] : JsonNode(json, path).members()) {
+    BopModel model = model_from_json(node);
+    model.obj_id = id_from_key(key, node);
+    model.mesh_path = (folder / ("obj_" + six_digits(model.obj_id) + ".ply")).string();
+    models[model.obj_id] = std::move(model);
+  }
+  return models;
+}
+
+}  // namespace binpick::drivers
