@@ -1,0 +1,182 @@
+#!/usr/bin/env python3
+"""Who may include whom. Prints one line a breach; the exit status is 1 when there is any.
+
+core/        the C++ library without files, clocks, threads and printing; Eigen; Highway
+core/train/  core, the whole C++ library, POSIX, assimp, OSMesa
+drivers/     of core only base, frame and geometry; image and JSON libraries; never app
+app/         public headers of core and drivers, its own private ones; neither assimp nor OSMesa
+tests/, tools/ everything
+
+The folders of core form a hierarchy: no two of them include each other, not even by a detour.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+from source_tree import CPP_SUFFIXES, files, includes, text_of
+
+LIBRARIES = {  # first part of the path -> library
+    "Eigen": "Eigen", "hwy": "Highway", "assimp": "assimp", "GL": "OSMesa",
+    "opencv2": "OpenCV", "nlohmann": "nlohmann", "CLI": "CLI11", "gtest": "GoogleTest",
+    "gmock": "GoogleTest",
+}
+POSIX = ("sys", "unistd.h", "fcntl.h", "pthread.h", "signal.h", "poll.h", "dirent.h", "errno.h",
+         "time.h", "sched.h", "dlfcn.h", "arpa", "netinet", "spawn.h", "stdio.h", "stdlib.h")
+# Core prints nothing, opens nothing, starts nothing and reads no clock.
+NOT_IN_CORE = {
+    "iostream", "istream", "ostream", "fstream", "sstream", "strstream", "iomanip", "ios", "iosfwd",
+    "filesystem", "syncstream", "spanstream", "thread", "mutex", "shared_mutex", "future",
+    "condition_variable", "semaphore", "latch", "barrier", "stop_token", "chrono", "ctime",
+    "cstdio", "locale", "codecvt", "csignal", "regex",
+}
+CORE_EXCEPTIONS = {("core/base/assert.cpp", "cstdio")}  # the last words before abort()
+
+ALLOWED_LIBRARIES = {
+    "core": {"std", "Eigen", "Highway"},
+    "train": {"std", "POSIX", "Eigen", "assimp", "OSMesa"},
+    "drivers": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann"},
+    "app": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "CLI11"},
+}
+ALLOWED_AREAS = {
+    "core": {"core"},
+    "train": {"train", "core"},
+    "drivers": {"drivers", "core"},
+    "app": {"app", "drivers", "train", "core"},
+}
+DRIVERS_SEE_OF_CORE = {"base", "frame", "geometry"}
+# Where a private header may stand, seen from the area that includes it.
+PRIVATE_ROOTS = {
+    "core": ("core",), "train": ("core/train", "core"), "drivers": ("drivers",), "app": ("app",),
+}
+PUBLIC_ROOTS = ("core/include", "drivers/include")
+
+
+def area_of(relative):
+    """The layer that a file belongs to, from its path below the root."""
+    if relative.startswith(("core/train/", "core/include/binpick/train/")):
+        return "train"
+    return relative.split("/")[0]
+
+
+def core_folder_of(relative):
+    """base, frame, ... for a file of core; None elsewhere."""
+    for prefix in ("core/include/binpick/", "core/"):
+        if relative.startswith(prefix):
+            return relative[len(prefix):].split("/")[0]
+    return None
+
+
+def library_of(target):
+    """The library of an include that is none of our files; None when it is not known."""
+    first = target.split("/")[0]
+    if first in LIBRARIES:
+        return LIBRARIES[first]
+    if first in POSIX:
+        return "POSIX"
+    if "/" not in target and "." not in target:
+        return "std"
+    return None
+
+
+def resolve(root, source, area, target):
+    """Path below the root of one of our headers, or None when the include is none of ours."""
+    roots = [root / folder for folder in PUBLIC_ROOTS + PRIVATE_ROOTS[area]]
+    for folder in [source.parent] + roots:
+        header = (folder / target).resolve()
+        if header.is_file() and header.is_relative_to(root):
+            return header.relative_to(root).as_posix()
+    return None
+
+
+def fault_of_ours(relative, area, header):
+    """Why `relative` may not include our file `header`; None when it may."""
+    other = area_of(header)
+    if other not in ALLOWED_AREAS[area]:
+        return f"{area} may not know {other}"
+    public = header.startswith(PUBLIC_ROOTS)
+    if not public and area in ("drivers", "app") and other != area:
+        return f"a private header of {other}"
+    if area == "drivers" and other == "core" and core_folder_of(header) not in DRIVERS_SEE_OF_CORE:
+        return "drivers see of core only " + ", ".join(sorted(DRIVERS_SEE_OF_CORE))
+    if area == "drivers" and other == "drivers" and not public:
+        mine, its = relative.split("/")[1:-1], header.split("/")[1:-1]
+        if its and mine[:1] != its[:1]:
+            return "one driver may not include another's private header"
+    return None
+
+
+def fault_of_library(relative, area, target, quoted):
+    library = library_of(target)
+    if library is None:
+        kind = "header that does not exist" if quoted else "library that is not on the list"
+        return f"a {kind} for {area}"
+    if library not in ALLOWED_LIBRARIES[area]:
+        return f"{area} may not use {library}"
+    if area == "core" and target in NOT_IN_CORE and (relative, target) not in CORE_EXCEPTIONS:
+        return "core has no files, clocks, threads or printing of its own"
+    return None
+
+
+def find_cycle(edges):
+    """One cycle in {folder: {folder: example}}, as a list that begins and ends alike; or None."""
+    done = set()
+
+    def visit(folder, path):
+        if folder in path:
+            return path[path.index(folder):] + [folder]
+        if folder in done:
+            return None
+        for other in sorted(edges.get(folder, {})):
+            cycle = visit(other, path + [folder])
+            if cycle:
+                return cycle
+        done.add(folder)
+        return None
+
+    for folder in sorted(edges):
+        cycle = visit(folder, [])
+        if cycle:
+            return cycle
+    return None
+
+
+def check(root):
+    """All breaches below root, as printable lines."""
+    root = Path(root).resolve()
+    faults = []
+    edges = {}
+    for source in files(root, CPP_SUFFIXES):
+        relative = source.relative_to(root).as_posix()
+        area = area_of(relative)
+        if area in ("tests", "tools"):
+            continue
+        for line, quoted, target in includes(text_of(source)):
+            header = resolve(root, source, area, target)
+            if header is None:
+                fault = fault_of_library(relative, area, target, quoted)
+            else:
+                fault = fault_of_ours(relative, area, header)
+                mine, its = core_folder_of(relative), core_folder_of(header)
+                if mine and its and mine != its:
+                    edges.setdefault(mine, {}).setdefault(its, f"{relative}:{line}")
+            if fault:
+                faults.append(f"{relative}:{line}: includes {target}: {fault}")
+    cycle = find_cycle(edges)
+    if cycle:
+        steps = [f"{a} -> {b} ({edges[a][b]})" for a, b in zip(cycle, cycle[1:])]
+        faults.append("core: folders include each other: " + ", ".join(steps))
+    return faults
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("root", nargs="?", default=Path(__file__).resolve().parents[2])
+    faults = check(parser.parse_args().root)
+    for fault in faults:
+        print(fault)
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

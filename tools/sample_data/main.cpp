@@ -1,0 +1,102 @@
+// make_sample_data: renders bins full of parts, with truth, in the BOP layout.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <numbers>
+#include <numeric>
+
+#include "bop_writer.hpp"
+
+namespace {
+
+using namespace binpick::sample;
+
+struct Options {
+  std::string out;
+  std::string cad_out;
+  std::vector<std::string> mesh_paths;
+  int frames = 2;
+  int mixed_frames = 1;
+  std::uint64_t seed = 1;
+  int part_count = 0;
+  double tilt_deg_max = 15;
+};
+
+// Seeds of frames do not depend on how many frames are asked for.
+std::uint64_t frame_seed(std::uint64_t seed, int scene, int frame) {
+  Rng of_set(seed);
+  Rng of_scene = of_set.fork(static_cast<std::uint64_t>(scene));
+  return of_scene.fork(static_cast<std::uint64_t>(frame)).next();
+}
+
+void write_scene(const Options& options, const FrameMaker& maker, int scene, int frames,
+                 const std::vector<std::size_t>& kinds) {
+  SceneWriter writer(options.out, scene);
+  for (int i = 0; i < frames; ++i) {
+    const Frame frame = maker.make(kinds, frame_seed(options.seed, scene, i));
+    writer.add(frame);
+    int clear = 0;
+    for (const auto& instance : frame.instances) clear += instance.visib_fract >= 0.7 ? 1 : 0;
+    std::printf("scene %d frame %d: %zu parts, %d of them at least 70 %% visible\n", scene, i,
+                frame.instances.size(), clear);
+    std::fflush(stdout);
+  }
+  writer.finish();
+}
+
+void run(const Options& options) {
+  const std::vector<Part> parts =
+      options.mesh_paths.empty() ? make_own_parts() : read_parts(options.mesh_paths);
+  FrameParams params;
+  params.part_count = options.part_count;
+  params.camera.tilt_max_rad = options.tilt_deg_max * std::numbers::pi / 180;
+  write_models(options.out, parts, params.camera);
+  if (!options.cad_out.empty()) {
+    std::filesystem::create_directories(options.cad_out);
+    for (const auto& part : parts) {
+      write_stl(part.mesh,
+                (std::filesystem::path(options.cad_out) / (part.name + ".stl")).string());
+    }
+  }
+  const FrameMaker maker(parts, params);
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    if (options.frames > 0) write_scene(options, maker, parts[k].obj_id, options.frames, {k});
+  }
+  if (options.mixed_frames > 0 && parts.size() > 1) {
+    std::vector<std::size_t> all(parts.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    int scene = 0;
+    for (const auto& part : parts) scene = std::max(scene, part.obj_id);
+    write_scene(options, maker, scene + 1, options.mixed_frames, all);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app{"Renders bins full of parts, with truth, in the BOP layout (lengths in mm)."};
+  app.add_option("--out", options.out, "folder of the data set")->required();
+  app.add_option("--parts", options.mesh_paths,
+                 "mesh files in mm; the three own parts if left out");
+  app.add_option("--frames", options.frames, "frames per part, each a pile of its own")
+      ->capture_default_str();
+  app.add_option("--mixed-frames", options.mixed_frames, "frames of one more scene with all parts")
+      ->capture_default_str();
+  app.add_option("--seed", options.seed, "the same seed gives the same data")
+      ->capture_default_str();
+  app.add_option("--count", options.part_count, "parts in a bin; 0 fills it well")
+      ->capture_default_str();
+  app.add_option("--tilt-deg-max", options.tilt_deg_max, "largest tilt of the camera")
+      ->capture_default_str();
+  app.add_option("--cad-out", options.cad_out, "also write the meshes as STL into this folder");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run(options);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "make_sample_data: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,36 @@
+// The parts of a data set: their meshes and what the truth says of them. Three are made here,
+// others are read from files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "binpick/geometry/pose.hpp"
+#include "triangle_mesh.hpp"
+
+namespace binpick::sample {
+
+// What a surface looks like; bench and bin are finishes too.
+enum class Finish { kCastBrass, kGalvanised, kMachined, kPlastic, kBench, kBin };
+
+struct Part {
+  int obj_id = 0;
+  std::string name;
+  TriangleMesh mesh;             // mm
+  std::vector<Pose> symmetries;  // without the identity
+  // Symmetry about an axis through the origin, as in models_info.json; empty when there is none.
+  std::vector<Vec3> symmetry_axes;
+  Finish finish = Finish::kMachined;
+};
+
+TriangleMesh make_tee();   // reducing tee of a pipe system, hexagon on the branch
+TriangleMesh make_clip();  // L clip of 2 mm sheet with round holes and a slot
+TriangleMesh make_hub();   // stepped shaft with flange, hexagon socket and a lug to one side
+
+// The three above as obj 1, 2, 3.
+std::vector<Part> make_own_parts();
+// Meshes from files. A name like obj_000004.ply gives the id, otherwise ids count from 1;
+// symmetries come from a models_info.json beside the file when it lists the id.
+std::vector<Part> read_parts(const std::vector<std::string>& paths);
+
+}  // namespace binpick::sample
