@@ -21,10 +21,12 @@ p.lead { color: var(--soft); margin: 0 0 20px; max-width: 80ch; }
 .tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(120px, 1fr)); gap: 12px; }
 .tile b { display: block; font-size: 26px; line-height: 1.2; font-variant-numeric: tabular-nums; }
 .tile span { color: var(--soft); font-size: 13px; }
-table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; font-size: 13.5px; }
+table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums;
+  font-size: 13.5px; }
 th { font-weight: 600; color: var(--soft); font-size: 12.5px; text-align: right; padding: 4px 7px;
   border-bottom: 2px solid var(--line); white-space: nowrap; vertical-align: bottom; }
-td { text-align: right; padding: 5px 7px; border-bottom: 1px solid var(--line); white-space: nowrap; }
+td { text-align: right; padding: 5px 7px; border-bottom: 1px solid var(--line);
+  white-space: nowrap; }
 th:first-child, td:first-child { text-align: left; padding-left: 2px; }
 tr:last-child td { border-bottom: 0; }
 tr.mean td { font-weight: 600; border-top: 2px solid var(--line); }
@@ -45,14 +47,17 @@ td.bar-cell { width: 55%; }
 .stage-4 { fill: #54a24b; background: #54a24b; } .stage-5 { fill: #e45756; background: #e45756; }
 .stage-6 { fill: #b279a2; background: #b279a2; } .stage-7 { fill: #9d755d; background: #9d755d; }
 .stage-8 { fill: #8a939c; background: #8a939c; }
-.legend { display: flex; flex-wrap: wrap; gap: 6px 18px; margin: 0 0 12px; color: var(--soft); font-size: 13px; }
+.legend { display: flex; flex-wrap: wrap; gap: 6px 18px; margin: 0 0 12px; color: var(--soft);
+  font-size: 13px; }
 .legend i { display: inline-block; width: 12px; height: 12px; border-radius: 3px; margin-right: 6px;
   vertical-align: -1px; }
 i.right { background: #3cdc5a; } i.wrong { background: #ff3c3c; } i.miss { background: #ffbe1e; }
 i.neutral { background: #96a5b9; }
-figure { margin: 0 0 20px; } figure img { max-width: 100%; max-height: 520px; display: block; border-radius: 6px; }
+figure { margin: 0 0 20px; } figure img { max-width: 100%; max-height: 520px; display: block;
+  border-radius: 6px; }
 figcaption { color: var(--soft); font-size: 13.5px; margin-top: 6px; }
-.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(520px, 1fr)); gap: 4px 16px; }
+.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(520px, 1fr));
+  gap: 4px 16px; }
 .faults { border-left: 4px solid var(--wrong); }
 .faults ul { margin: 0; padding-left: 20px; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 4px 20px; margin: 0; }

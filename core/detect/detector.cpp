@@ -16,7 +16,7 @@ namespace {
 // Measured pixels that a better detection explains already: beyond this share it is the same part again.
 constexpr double kOwnedShareMax = 0.35;
 constexpr double kVisibleFractionMin = 0.2;
-constexpr int kPerPlaceAfterIcp = 5;
+constexpr int kPerPlaceAfterIcp = 6;
 
 }  // namespace
 
@@ -139,10 +139,10 @@ int Detector::Impl::estimate_poses(int count, DetectionReport& report) {
   auto living = [&] { return hypotheses.first(static_cast<std::size_t>(count)); };
   timed(Stage::kPnp, report, [&] { align_and_solve_pnp(context, living()); });
   timed(Stage::kIcp, report, [&] { run_icp(context, living()); });
-  timed(Stage::kVerify, report, [&] { run_verify(context, living(), false); });
+  timed(Stage::kVerify, report, [&] { run_verify(context, living()); });
   count = timed(Stage::kSuppress, report, [&] { return suppress(models, living(), kPerPlaceAfterIcp, report); });
   timed(Stage::kRefine, report, [&] { run_refine(context, living()); });
-  timed(Stage::kVerify, report, [&] { run_verify(context, living(), true); });
+  timed(Stage::kVerify, report, [&] { run_verify(context, living()); });
   return timed(Stage::kSuppress, report, [&] { return suppress(models, living(), kPerPlaceAfterIcp, report); });
 }
 

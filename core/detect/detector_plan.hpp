@@ -11,7 +11,7 @@
 
 namespace binpick {
 
-inline constexpr std::size_t kHypothesesPerModel = 600;
+inline constexpr std::size_t kHypothesesPerModel = 1500;
 inline constexpr std::size_t kHypothesesMax = 2400;  // of all models of a request
 // Pixels around the region of interest that are looked at too, so that parts at its rim have their outline.
 inline constexpr int kRegionMarginPx = 48;

@@ -1,5 +1,6 @@
 #include "pose/contour.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pose/view_lookup.hpp"
@@ -22,35 +23,38 @@ float gray_at(const PyramidLevel& level, double u, double v) {
 
 }  // namespace
 
-ContourMatch match_contour(const ContourSample& sample, const Scene& scene, const Pose& T, int range_px, double depth_tolerance_mm) {
-  ContourMatch m;
-  range_px = std::min(range_px, kRangeMax);
-  m.point_cam = T * position_of(sample);
+ContourPlace place_contour(const ContourSample& sample, const Scene& scene, const Pose& T, int range_px,
+                           double depth_tolerance_mm) {
+  ContourPlace place;
+  place.point_cam = T * position_of(sample);
   const Vec3 tangent = T.R * tangent_of(sample);
   const CameraIntrinsics& camera = scene.intensity.camera;
-  const Vec3& p = m.point_cam;
-  const Vec2 uv = camera.project(p);
+  const Vec3& p = place.point_cam;
+  place.pixel = camera.project(p);
   // Image of the tangent: derivative of the projection.
   const Vec2 along(camera.fx * (tangent.x() - p.x() / p.z() * tangent.z()), camera.fy * (tangent.y() - p.y() / p.z() * tangent.z()));
   const double length = along.norm();
-  if (length < 1e-6 * camera.fx) return m;
-  m.normal_px = Vec2(-along.y(), along.x()) / length;
-  const double margin = range_px + 3;
-  if (uv.x() < margin || uv.y() < margin || uv.x() > scene.intensity.width - 2 - margin || uv.y() > scene.intensity.height - 2 - margin) {
-    m.hidden = true;  // beyond the region: nothing can be said
-    return m;
+  if (length < 1e-6 * camera.fx) return place;
+  place.normal_px = Vec2(-along.y(), along.x()) / length;
+  const double margin = std::min(range_px, kRangeMax) + 3;
+  if (place.pixel.x() < margin || place.pixel.y() < margin || place.pixel.x() > scene.intensity.width - 2 - margin ||
+      place.pixel.y() > scene.intensity.height - 2 - margin) {
+    return place;
   }
-  const Vec2 uv_depth = scene.depth.camera.project(p);
-  const float z = scene.depth_at(static_cast<int>(std::lround(uv_depth.x())), static_cast<int>(std::lround(uv_depth.y())));
-  if (z > 0 && static_cast<double>(z) < p.z() - depth_tolerance_mm) {
-    m.hidden = true;
-    return m;
-  }
+  const Vec2 uv = scene.depth.camera.project(p);
+  const float z = scene.depth_at(static_cast<int>(std::lround(uv.x())), static_cast<int>(std::lround(uv.y())));
+  place.visible = !(z > 0 && static_cast<double>(z) < p.z() - depth_tolerance_mm);
+  return place;
+}
+
+ContourMatch match_contour(const ContourPlace& place, const Scene& scene, int range_px) {
+  ContourMatch m;
+  range_px = std::min(range_px, kRangeMax);
   float profile[2 * kRangeMax + 3];
   const int samples = 2 * range_px + 3;
   for (int i = 0; i < samples; ++i) {
     const double s = i - range_px - 1;
-    profile[i] = gray_at(scene.intensity, uv.x() + s * m.normal_px.x(), uv.y() + s * m.normal_px.y());
+    profile[i] = gray_at(scene.intensity, place.pixel.x() + s * place.normal_px.x(), place.pixel.y() + s * place.normal_px.y());
   }
   // The strongest step, nearer ones preferred.
   float best = 0;
@@ -75,7 +79,6 @@ ContourMatch match_contour(const ContourSample& sample, const Scene& scene, cons
   }
   m.found = true;
   m.offset_px = offset;
-  m.strength = static_cast<double>(contrast(at));
   return m;
 }
 
@@ -84,11 +87,13 @@ int add_contour_residuals(const Viewpoint& view, const ObjectModel& model, const
   const CameraIntrinsics& camera = scene.intensity.camera;
   int found = 0;
   for (const ContourSample& sample : model.contour(view)) {
-    const ContourMatch m = match_contour(sample, scene, T, range_px, depth_tolerance_mm);
+    const ContourPlace place = place_contour(sample, scene, T, range_px, depth_tolerance_mm);
+    if (!place.visible) continue;
+    const ContourMatch m = match_contour(place, scene, range_px);
     if (!m.found) continue;
     // d(offset along the normal)/d(point): the normal pulled back through the projection.
-    const Vec3& p = m.point_cam;
-    const double a = m.normal_px.x() * camera.fx / p.z(), b = m.normal_px.y() * camera.fy / p.z();
+    const Vec3& p = place.point_cam;
+    const double a = place.normal_px.x() * camera.fx / p.z(), b = place.normal_px.y() * camera.fy / p.z();
     const Vec3 n(a, b, -(a * p.x() + b * p.y()) / p.z());
     const double k = m.offset_px * m.offset_px / (range_px * range_px);
     const double w = 1 / ((1 + 4 * k) * (1 + 4 * k));

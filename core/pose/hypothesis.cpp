@@ -112,9 +112,9 @@ void run_refine(const PoseContext& context, std::span<Hypothesis> hypotheses) {
   });
 }
 
-void run_verify(const PoseContext& context, std::span<Hypothesis> hypotheses, bool with_contours) {
+void run_verify(const PoseContext& context, std::span<Hypothesis> hypotheses) {
   for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
-    h.evidence = verify(model, context.scene, h.T_cam_centre, with_contours);
+    h.evidence = verify(model, context.scene, h.T_cam_centre);
     h.rank = h.evidence.score();
   });
 }

@@ -40,7 +40,7 @@ struct PoseContext {
 void align_and_solve_pnp(const PoseContext& context, std::span<Hypothesis> hypotheses);
 void run_icp(const PoseContext& context, std::span<Hypothesis> hypotheses);
 void run_refine(const PoseContext& context, std::span<Hypothesis> hypotheses);
-void run_verify(const PoseContext& context, std::span<Hypothesis> hypotheses, bool with_contours);
+void run_verify(const PoseContext& context, std::span<Hypothesis> hypotheses);
 
 // Sorts by evidence, best first, drops those whose pose repeats a better one, keeps at most per_place around each place, and
 // moves the living ones to the front. Returns how many live; counts the drops.

@@ -69,11 +69,12 @@ int template_correspondences(const ObjectModel& model, const Scene& scene, const
   std::size_t count = 0;
   for (const ContourSample& sample : model.contour(nearest_viewpoint(model, T))) {
     if (count == out.size()) break;
-    const ContourMatch m = match_contour(sample, scene, T, range_px, depth_tolerance_mm);
+    const ContourPlace place = place_contour(sample, scene, T, range_px, depth_tolerance_mm);
+    if (!place.visible) continue;
+    const ContourMatch m = match_contour(place, scene, range_px);
     if (!m.found) continue;
-    const Vec2 projected = scene.intensity.camera.project(m.point_cam);
     const double k = m.offset_px / range_px;
-    out[count++] = {position_of(sample), projected + m.offset_px * m.normal_px, m.normal_px, 1 / (1 + 4 * k * k)};
+    out[count++] = {position_of(sample), place.pixel + m.offset_px * place.normal_px, place.normal_px, 1 / (1 + 4 * k * k)};
   }
   return static_cast<int>(count);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "pose/contour.hpp"
 #include "pose/view_lookup.hpp"
@@ -68,27 +69,29 @@ void add_surface(const ObjectModel& model, const Scene& scene, const Pose& T, co
   }
 }
 
+// Whether a depth edge of the contour's direction lies at its place.
+bool on_depth_edge(const PyramidLevel& level, const Vec2& uv, const Vec2& normal) {
+  const int u = static_cast<int>(std::lround(uv.x())), v = static_cast<int>(std::lround(uv.y()));
+  if (u < 1 || v < 1 || u >= level.width - 1 || v >= level.height - 1) return false;
+  const double turn = std::atan2(normal.y(), normal.x()) * 8 / std::numbers::pi + 16.5;
+  const int bin = static_cast<int>(turn) & 7;
+  const unsigned near = (1u << bin) | (1u << ((bin + 1) & 7)) | (1u << ((bin + 7) & 7));
+  return (level.plain.gradient[v * level.plain.stride + u] & near) != 0;
+}
+
 void add_contours(const ObjectModel& model, const Scene& scene, const Pose& T, const Viewpoint& view, Evidence& e) {
   const double tolerance_mm = 2 * tolerances(model, scene, T).conflict_mm;
-  const PyramidLevel& level = scene.depth;
   for (const ContourSample& s : model.contour(view)) {
     if (s.is_silhouette < 0.5f) continue;
-    const ContourMatch m = match_contour(s, scene, T, kContourRangePx, tolerance_mm);
-    if (m.hidden) continue;
+    const ContourPlace place = place_contour(s, scene, T, kContourRangePx, tolerance_mm);
+    if (!place.visible) continue;
     ++e.contours;
-    double support = 0;
-    if (m.found) support = 0.6 + 0.4 * (1 - std::abs(m.offset_px) / (kContourRangePx + 1));
-    // A depth edge of the right direction counts fully.
-    const Vec2 uv = level.camera.project(m.point_cam);
-    const int u = static_cast<int>(std::lround(uv.x())), v = static_cast<int>(std::lround(uv.y()));
-    if (u >= 1 && v >= 1 && u < level.width - 1 && v < level.height - 1) {
-      const std::uint8_t here = level.plain.gradient[v * level.plain.stride + u];
-      const double turn = std::atan2(m.normal_px.y(), m.normal_px.x()) * 8 / 3.14159265358979 + 16.5;
-      const int bin = static_cast<int>(turn) & 7;
-      const unsigned near = (1u << bin) | (1u << ((bin + 1) & 7)) | (1u << ((bin + 7) & 7));
-      if (here & near) support = 1;
+    if (on_depth_edge(scene.depth, scene.depth.camera.project(place.point_cam), place.normal_px)) {
+      e.contours_supported += 1;
+      continue;
     }
-    e.contours_supported += support;
+    const ContourMatch m = match_contour(place, scene, kContourRangePx);
+    if (m.found) e.contours_supported += 0.6 + 0.4 * (1 - std::abs(m.offset_px) / (kContourRangePx + 1));
   }
 }
 
@@ -96,14 +99,14 @@ void add_contours(const ObjectModel& model, const Scene& scene, const Pose& T, c
 
 double Evidence::score() const {
   const double seen = std::min(1.0, measured_fraction() / kMeasuredEnough);
-  return depth_support() * (0.5 + 0.5 * contour_support()) * seen;
+  return depth_support() * contour_support() * contour_support() * seen;
 }
 
-Evidence verify(const ObjectModel& model, const Scene& scene, const Pose& T, bool with_contours) {
+Evidence verify(const ObjectModel& model, const Scene& scene, const Pose& T) {
   Evidence e;
   const Viewpoint& view = nearest_viewpoint(model, T);
   add_surface(model, scene, T, view, e);
-  if (with_contours) add_contours(model, scene, T, view, e);
+  add_contours(model, scene, T, view, e);
   return e;
 }
 

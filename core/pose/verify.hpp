@@ -28,6 +28,6 @@ struct Evidence {
   double score() const;
 };
 
-Evidence verify(const ObjectModel& model, const Scene& scene, const Pose& T_cam_centre, bool with_contours);
+Evidence verify(const ObjectModel& model, const Scene& scene, const Pose& T_cam_centre);
 
 }  // namespace binpick

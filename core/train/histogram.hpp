@@ -25,11 +25,12 @@ struct HistogramGrid {
 // off the point that it stands for; alternating the side keeps the error from adding up.
 enum class PairSide { kUpper, kLower };
 
-// Adds the 2x2 sums of `fine` to `coarse` (half its size). Pixels beyond the border count as empty.
+// Adds the 2x2 sums of `fine` to rows [row_first, row_end) of `coarse` (half its size). Pixels beyond the border count as empty.
 template <class T>
-void add_reduced_2x2(const HistogramGrid<T>& fine, PairSide side, HistogramGrid<std::uint32_t>& coarse) {
+void add_reduced_2x2(const HistogramGrid<T>& fine, PairSide side, HistogramGrid<std::uint32_t>& coarse, int row_first,
+                     int row_end) {
   const int shift = side == PairSide::kUpper ? 0 : -1;
-  for (int y = 0; y < coarse.size; ++y) {
+  for (int y = row_first; y < row_end; ++y) {
     for (int x = 0; x < coarse.size; ++x) {
       std::uint32_t* sum = coarse.cell(x, y);
       for (int j = 0; j < 2; ++j) {
@@ -46,10 +47,19 @@ void add_reduced_2x2(const HistogramGrid<T>& fine, PairSide side, HistogramGrid<
   }
 }
 
-// Adds `weight` times `from` to `sum`, cell by cell.
 template <class T>
-void add_scaled(const HistogramGrid<T>& from, std::uint32_t weight, HistogramGrid<std::uint32_t>& sum) {
-  for (std::size_t i = 0; i < sum.bins.size(); ++i) sum.bins[i] += weight * from.bins[i];
+void add_reduced_2x2(const HistogramGrid<T>& fine, PairSide side, HistogramGrid<std::uint32_t>& coarse) {
+  add_reduced_2x2(fine, side, coarse, 0, coarse.size);
+}
+
+// Adds `weight` times `from` to `sum` in rows [row_first, row_end), cell by cell.
+template <class T>
+void add_scaled(const HistogramGrid<T>& from, std::uint32_t weight, HistogramGrid<std::uint32_t>& sum, int row_first,
+                int row_end) {
+  const std::size_t row = static_cast<std::size_t>(sum.size) * kOrientationBins;
+  for (std::size_t i = row * static_cast<std::size_t>(row_first); i < row * static_cast<std::size_t>(row_end); ++i) {
+    sum.bins[i] += weight * from.bins[i];
+  }
 }
 
 }  // namespace binpick::train

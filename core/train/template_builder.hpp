@@ -14,30 +14,32 @@ struct TemplateSet {
   std::vector<std::vector<std::vector<Feature>>> depths;
 };
 
-// How the roll jitter is sampled: the full turn is cut into blocks much finer than the leaves' roll interval; each rendered
-// sample is turned once into every block, and a template adds up the blocks inside its own jitter range.
+// How the roll jitter is sampled: the full turn is cut into blocks of half a leaf's roll interval. Each block's histograms are
+// made once, from renderings turned by random angles within it; a template adds up the blocks inside its own jitter range, the
+// outermost ones in part.
 struct RollBlocks {
-  int count = 0;             // in a full turn
-  int per_roll = 0;          // in one leaf interval; even
-  int per_window = 0;        // in a template's jitter range; even, centred on the leaf's roll
-  int samples_per_block = 0; // so that a window holds options.samples of them
+  int count = 0;              // in a full turn: two per leaf roll
+  int full_per_side = 0;      // blocks on either side of a leaf's roll that count fully
+  int outer_weight = 0;       // of the next block on either side, of kBlockWeight; 0: none
+  int samples_per_block = 0;  // so that a template holds about options.samples of them
 };
+inline constexpr int kBlockWeight = 8;
 RollBlocks make_roll_blocks(const TrainOptions& options, int leaf_roll_count);
 
-// Size of the sample pool for which every viewpoint finds enough samples within its tilt jitter.
-int sample_pool_size(const TrainOptions& options, const RollBlocks& blocks);
+// Size of the sample pool for which every viewpoint finds enough different renderings within its tilt jitter.
+int sample_pool_size(const TrainOptions& options);
 
 TemplateSet build_templates(const PoseTree& tree, const std::vector<RenderedSample>& samples,
                             const TemplateCamera& camera, const TrainOptions& options, WorkerPool& pool,
                             const TrainProgress& progress);
 
-// Histograms of one leaf template, as build_templates makes them; for tests and inspection.
+// Histograms of one leaf template.
 struct LeafHistograms {
-  HistogramGrid<std::uint16_t> gradient;  // one cell per pixel; a sample's vote is kVoteUnits
+  HistogramGrid<std::uint16_t> gradient;  // one cell per pixel
   HistogramGrid<std::uint16_t> normal;    // one cell per 2x2 pixels
-  int samples = 0;
+  int row_first = 0, row_end = 0;         // rows of `normal` that hold anything; twice that for `gradient`
+  int votes = 0;                          // what a bin would hold if every sample had voted for it
 };
-inline constexpr int kVoteUnits = 3;
 std::vector<FeatureCandidate> leaf_candidates(const LeafHistograms& histograms, const TrainOptions& options);
 
 }  // namespace binpick::train

@@ -18,7 +18,10 @@ void take_spread(const std::vector<const FeatureCandidate*>& ordered, int budget
   const std::size_t wanted = std::min<std::size_t>(budget, ordered.size());
   std::vector<char> used(ordered.size(), 0);
   const std::size_t before = taken.size();
-  for (int distance = 12; taken.size() - before < wanted; distance = distance * 3 / 4) {
+  // First guess: what would fill the budget if the candidates, every second pixel, covered an area evenly.
+  const double area_px = 4.0 * static_cast<double>(ordered.size());
+  const int first_guess = wanted > 0 ? static_cast<int>(1.2 * std::sqrt(area_px / static_cast<double>(wanted))) : 0;
+  for (int distance = first_guess; taken.size() - before < wanted; distance = distance * 3 / 4) {
     for (std::size_t i = 0; i < ordered.size() && taken.size() - before < wanted; ++i) {
       if (used[i]) continue;
       const FeatureCandidate& c = *ordered[i];

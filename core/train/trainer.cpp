@@ -20,7 +20,7 @@ void check_options(const TrainOptions& o) {
               o.distance_max_mm >= o.distance_min_mm,
           "the distance range must be positive, with its minimum not above its maximum");
   require(o.tilt_max_deg > 0 && o.tilt_max_deg <= 180, "the tilt limit must lie in (0, 180] degrees");
-  require(o.samples >= 10 && o.samples <= 100000, "the number of samples must lie in [10, 100000]");
+  require(o.samples >= 10 && o.samples <= 2500, "the number of samples must lie in [10, 2500]");
   require(o.gradient_threshold >= 0 && o.gradient_threshold < o.samples,
           "the gradient threshold must lie between 0 and the number of samples");
   require(o.normal_threshold >= 0 && o.normal_threshold < o.samples,
@@ -89,9 +89,8 @@ std::vector<std::uint8_t> train_model(const ImportedMesh& part, const TrainOptio
   const Mesh mesh = centred(part.mesh, (bounds.min_mm + bounds.max_mm) / 2);
   const TemplateCamera camera = make_template_camera(options, bounds);
   const PoseTree tree = make_pose_tree(options);
-  const RollBlocks blocks = make_roll_blocks(options, tree.leaves().roll_count);
   const std::vector<RenderedSample> samples = make_sample_pool(
-      mesh, options, camera, sample_pool_size(options, blocks), pool, share_of(progress, 0, 0.25));
+      mesh, options, camera, sample_pool_size(options), pool, share_of(progress, 0, 0.25));
   const std::vector<ViewSamples> views = make_view_samples(mesh, tree, camera, pool);
   const TemplateSet templates = build_templates(tree, samples, camera, options, pool, share_of(progress, 0.3, 1));
   return write_model(make_info(part, bounds, options, camera), tree, templates, views);

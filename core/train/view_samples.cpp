@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "features/pyramid.hpp"
 #include "features/surface_slope.hpp"
 
 namespace binpick::train {
@@ -99,11 +100,25 @@ std::vector<int> spread(const std::vector<EdgePixel>& edges, bool silhouettes, i
   }
 }
 
+// The normal as the sensor shows it: a fit over a patch, in which threads and knurls are averaged out. `radius_px` is the
+// size of the detector's own patch at this rendering's scale.
+Vec3 patch_normal(const RenderedView& view, int x, int y, int radius_px) {
+  const float z = view.depth_mm[static_cast<std::size_t>(y) * view.width + x];
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (int j = std::max(0, y - radius_px); j <= std::min(view.height - 1, y + radius_px); ++j) {
+    for (int i = std::max(0, x - radius_px); i <= std::min(view.width - 1, x + radius_px); ++i) {
+      const std::size_t at = static_cast<std::size_t>(j) * view.width + i;
+      if (view.depth_mm[at] > 0 && std::fabs(view.depth_mm[at] - z) <= z * kSameSurfaceRatio) sum += view.normal_cam[at];
+    }
+  }
+  return sum.normalized().cast<double>();
+}
+
 void store(const Vec3& v, float* out) {
   for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);
 }
 
-ViewSamples sample_view(const RenderedView& view, const CameraIntrinsics& camera, const Pose& T_cam_obj) {
+ViewSamples sample_view(const RenderedView& view, const CameraIntrinsics& camera, const Pose& T_cam_obj, int patch_radius_px) {
   ViewSamples out;
   const Pose T_obj_cam = T_cam_obj.inverse();
   const auto depth = view.depth_view();
@@ -116,7 +131,7 @@ ViewSamples sample_view(const RenderedView& view, const CameraIntrinsics& camera
       if (static_cast<int>(out.surface.size()) == kSurfaceSamplesMax) break;
       SurfaceSample s{};
       store(T_obj_cam * camera.unproject(x, y, static_cast<double>(depth.at(x, y))), s.position_mm);
-      store(T_obj_cam.R * view.normal_cam[static_cast<std::size_t>(y) * view.width + x].cast<double>(), s.normal);
+      store(T_obj_cam.R * patch_normal(view, x, y, patch_radius_px), s.normal);
       out.surface.push_back(s);
     }
   }
@@ -147,6 +162,9 @@ std::vector<ViewSamples> make_view_samples(const Mesh& centred_mesh, const PoseT
   intrinsics.fx *= scale;
   intrinsics.fy *= scale;
   intrinsics.cx = intrinsics.cy = size / 2;
+  // Two pixels of the level at which the detector fits its planes.
+  const double feature_level_focal = camera.intrinsics.fx * std::exp2(camera.base_level - kFeatureLevel);
+  const int patch_radius_px = std::max(1, static_cast<int>(std::lround(2 * intrinsics.fx / feature_level_focal)));
   std::vector<ViewSamples> out(leaves.size());
   std::vector<std::unique_ptr<Renderer>> renderers(static_cast<std::size_t>(pool.thread_count()));
   std::vector<RenderedView> views(static_cast<std::size_t>(pool.thread_count()));
@@ -154,7 +172,7 @@ std::vector<ViewSamples> make_view_samples(const Mesh& centred_mesh, const PoseT
     if (!renderers[thread]) renderers[thread] = std::make_unique<Renderer>(centred_mesh, size, size);
     const Pose T{leaves[i].R_view_obj, Vec3(0, 0, camera.reference_distance_mm)};
     renderers[thread]->render(intrinsics, T, views[thread]);
-    out[i] = sample_view(views[thread], intrinsics, T);
+    out[i] = sample_view(views[thread], intrinsics, T, patch_radius_px);
   });
   return out;
 }

@@ -5,8 +5,9 @@ usage: score_agreement.py BINPICK [DATASET]
 
 The scorer is the script that the environment variable BINPICK_SCORER names. It is run as
 `SCORER DATASET RESULTS.csv --json -`. The data set is made here: parts without a symmetry, with a
-discrete and with a continuous one, scenes of one kind and a mixed scene, a region of interest; DATASET
-and the folder pile-dev below BINPICK_DEV_DATA, if given, are compared too. Exit status 77: skipped.
+discrete and with a continuous one, scenes of one kind and a mixed scene, a region of interest;
+DATASET and the folder pile-dev below BINPICK_DEV_DATA, if given, are compared too. Exit status 77:
+skipped.
 """
 
 import csv
@@ -118,8 +119,8 @@ def make_dataset(root, rng):
     info[3]["symmetries_continuous"] = [{"axis": [0, 0, 2], "offset": [3, -2, 1]}]
     flip = rotation((1, 0, 0), math.pi)
     offset = [0.0, -4.0, 2.0]  # half a turn about the line through the cylinder's centre
-    info[3]["symmetries_discrete"] = [sum(([*flip[3 * i:3 * i + 3], offset[i]] for i in range(3)), [])
-                                      + [0.0, 0.0, 0.0, 1.0]]
+    rows = [[*flip[3 * i:3 * i + 3], offset[i]] for i in range(3)]
+    info[3]["symmetries_discrete"] = [sum(rows, []) + [0.0, 0.0, 0.0, 1.0]]
     (root / "models/models_info.json").write_text(json.dumps(info))
     for scene, kinds in ((1, [1]), (2, [2]), (3, [3]), (4, [1, 2, 3])):
         make_scene(root / f"test/{scene:06d}", rng, kinds)

@@ -72,8 +72,8 @@ class CliTest(unittest.TestCase):
     def refused(self, status, words, *arguments):
         run = self.start(*arguments)
         self.assertEqual(run.returncode, status, run.stderr)
-        errors = [line for line in run.stderr.splitlines() if not line.startswith("binpick: warning")
-                  and not line.startswith("training")]
+        errors = [line for line in run.stderr.splitlines()
+                  if not line.startswith(("binpick: warning", "training"))]
         self.assertEqual(len(errors), 1, run.stderr)
         self.assertTrue(errors[0].startswith("binpick: error: "), errors[0])
         for word in words:
@@ -172,6 +172,7 @@ class TrainTest(CliTest):
         run = self.start(*arguments)
         self.assertEqual(run.returncode, 0, run.stderr)
         self.assertIn("warning: no --camera", run.stderr)
+        self.assertIn("training 100 %", run.stderr)
 
 
 class ModelTest(CliTest):

@@ -243,7 +243,7 @@ TEST_F(BopFolder, ReadsTruthApartFromFrames) {
   EXPECT_TRUE(load_truth(dataset(), 2).empty()) << "no scene_gt.json, no truth, no error";
   write_text(
       scene_folder() / "scene_gt.json",
-      R"({"7": [{"obj_id": 3, "cam_R_m2c": [0, -1, 0, 1, 0, 0, 0, 0, 1], "cam_t_m2c": [1, 2, 700]}]})");
+      R"({"7": [{"obj_id": 3, "cam_R_m2c": [0,-1,0,1,0,0,0,0,1], "cam_t_m2c": [1, 2, 700]}]})");
   auto truth = load_truth(dataset(), 2);
   ASSERT_EQ(truth.at(7).size(), 1u);
   EXPECT_EQ(truth.at(7)[0].obj_id, 3);
@@ -280,9 +280,9 @@ TEST_F(BopFolder, ReadsTargetsWhereThereAreAny) {
 
 TEST_F(BopFolder, ReadsSingleFilesWithEitherKindOfCamera) {
   const std::string path = (root_ / "camera.json").string();
-  write_text(
-      path,
-      R"({"fx": 600, "fy": 610, "cx": 3.5, "cy": 2.5, "depth_scale": 0.5, "width": 8, "height": 6})");
+  write_text(path,
+             R"({"fx": 600, "fy": 610, "cx": 3.5, "cy": 2.5, "depth_scale": 0.5,
+                    "width": 8, "height": 6})");
   const LoadedFrame frame =
       load_frame_files(depth_path().string(), gray_path().string(), load_camera_file(path));
   EXPECT_FLOAT_EQ(frame.depth_mm[1], 0.5f);
