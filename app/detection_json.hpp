@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "binpick/detect/detection.hpp"
+#include "binpick/report/detection.hpp"
 
 namespace binpick::app {
 

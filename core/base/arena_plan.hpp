@@ -1,5 +1,5 @@
-// Stands in for an Arena to count what a part would take: a part lists its buffers once, in a function that
-// works with either.
+// Stands in for an Arena to count what a part would take: a part lists its buffers once, in a
+// function that works with either.
 #pragma once
 
 #include "binpick/base/arena.hpp"

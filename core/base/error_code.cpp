@@ -6,21 +6,36 @@ namespace binpick {
 
 const char* error_message(ErrorCode code) {
   switch (code) {
-    case ErrorCode::kNone: return "no error";
-    case ErrorCode::kFrameEmpty: return "the frame has no pixels";
-    case ErrorCode::kFrameSizeMismatch: return "depth and intensity differ in size";
-    case ErrorCode::kFrameTooLarge: return "the frame is larger than the detector was set up for";
-    case ErrorCode::kIntrinsicsInvalid: return "focal lengths must be positive and finite";
-    case ErrorCode::kRoiOutsideImage: return "the region of interest lies outside the image";
-    case ErrorCode::kRoiTooLarge: return "the region of interest is larger than the detector was set up for";
-    case ErrorCode::kModelTruncated: return "the model file is shorter than its header says";
-    case ErrorCode::kModelForeign: return "this is not a binpick model file";
-    case ErrorCode::kModelVersion: return "the model file has a version that this program does not read";
-    case ErrorCode::kModelChecksum: return "the model file is damaged (checksum differs)";
-    case ErrorCode::kModelInconsistent: return "the model file contradicts itself";
-    case ErrorCode::kModelCameraMismatch: return "the model was trained for another camera";
-    case ErrorCode::kModelIndexUnknown: return "no model with this index was loaded";
-    case ErrorCode::kArenaTooSmall: return "the memory set aside is too small";
+    case ErrorCode::kNone:
+      return "no error";
+    case ErrorCode::kFrameEmpty:
+      return "the frame has no pixels";
+    case ErrorCode::kFrameSizeMismatch:
+      return "depth and intensity differ in size";
+    case ErrorCode::kFrameTooLarge:
+      return "the frame is larger than the detector was set up for";
+    case ErrorCode::kIntrinsicsInvalid:
+      return "focal lengths must be positive and finite";
+    case ErrorCode::kRoiOutsideImage:
+      return "the region of interest lies outside the image";
+    case ErrorCode::kRoiTooLarge:
+      return "the region of interest is larger than the detector was set up for";
+    case ErrorCode::kModelTruncated:
+      return "the model file is shorter than its header says";
+    case ErrorCode::kModelForeign:
+      return "this is not a binpick model file";
+    case ErrorCode::kModelVersion:
+      return "the model file has a version that this program does not read";
+    case ErrorCode::kModelChecksum:
+      return "the model file is damaged (checksum differs)";
+    case ErrorCode::kModelInconsistent:
+      return "the model file contradicts itself";
+    case ErrorCode::kModelCameraMismatch:
+      return "the model was trained for another camera";
+    case ErrorCode::kModelIndexUnknown:
+      return "no model with this index was loaded";
+    case ErrorCode::kArenaTooSmall:
+      return "the memory set aside is too small";
   }
   return "unknown error";
 }

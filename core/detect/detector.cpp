@@ -13,16 +13,25 @@
 namespace binpick {
 namespace {
 
-// Measured pixels that a better detection explains already: beyond this share it is the same part again.
+// Measured pixels that a better detection explains already: beyond this share it is the same part
+// again.
 constexpr double kOwnedShareMax = 0.35;
 constexpr double kVisibleFractionMin = 0.2;
 constexpr int kPerPlaceAfterIcp = 6;
 
+// Best score first; ties are broken by the pose, so that the order is always the same.
+bool better_detection(const Detection& a, const Detection& b) {
+  if (a.score != b.score) return a.score > b.score;
+  if (a.model_index != b.model_index) return a.model_index < b.model_index;
+  return std::lexicographical_compare(a.T_cam_obj.t_mm.data(), a.T_cam_obj.t_mm.data() + 3,
+                                      b.T_cam_obj.t_mm.data(), b.T_cam_obj.t_mm.data() + 3);
+}
+
 }  // namespace
 
 struct Detector::Impl {
-  Impl(std::span<const ObjectModel> models_in, const DetectorPlan& plan_in, const DetectorParams& params_in,
-       WorkerPool& pool_in, ClockFn clock_in, Arena& arena)
+  Impl(std::span<const ObjectModel> models_in, const DetectorPlan& plan_in,
+       const DetectorParams& params_in, WorkerPool& pool_in, ClockFn clock_in, Arena& arena)
       : models(models_in),
         plan(plan_in),
         params(params_in),
@@ -31,15 +40,17 @@ struct Detector::Impl {
         kernels(simd::make_kernel_table(params_in.isa)),
         pyramid(plan.pyramid, arena),
         search(plan.search, plan.search_params, arena),
-        ownership(plan.pyramid.width_max >> kFeatureLevel, plan.pyramid.height_max >> kFeatureLevel, arena),
+        ownership(plan.pyramid.width_max >> kFeatureLevel, plan.pyramid.height_max >> kFeatureLevel,
+                  arena),
         scale_plans(arena.take<ScalePlan>(models.size())),
         hypotheses(arena.take<Hypothesis>(kHypothesesMax)),
         detections(arena.take<Detection>(static_cast<std::size_t>(plan.results_max))) {}
 
   Result<DetectionReport> detect(const Frame& frame, const DetectRequest& request);
-  int search_model(int model_index, int found, DetectionReport& report);
+  int search_model(int model_index, std::size_t room, int found, DetectionReport& report);
   int estimate_poses(int count, DetectionReport& report);
-  void explain(const Frame& frame, const DetectRequest& request, int count, DetectionReport& report);
+  void explain(const Frame& frame, const DetectRequest& request, int count,
+               DetectionReport& report);
   Detection detection_of(const Hypothesis& h) const;
 
   template <class Work>
@@ -78,22 +89,27 @@ std::size_t Detector::footprint(std::span<const ObjectModel> models, const Detec
   counted.take<ScalePlan>(models.size());
   counted.take<Hypothesis>(kHypothesesMax);
   counted.take<Detection>(static_cast<std::size_t>(plan.results_max));
-  return counted.bytes + FeaturePyramid::footprint(plan.pyramid) + TreeSearch::footprint(plan.search, plan.search_params) +
-         SceneOwnership::footprint(plan.pyramid.width_max >> kFeatureLevel, plan.pyramid.height_max >> kFeatureLevel);
+  return counted.bytes + FeaturePyramid::footprint(plan.pyramid) +
+         TreeSearch::footprint(plan.search, plan.search_params) +
+         SceneOwnership::footprint(plan.pyramid.width_max >> kFeatureLevel,
+                                   plan.pyramid.height_max >> kFeatureLevel);
 }
 
-Detector::Detector(std::span<const ObjectModel> models, const DetectorLimits& limits, const DetectorParams& params,
-                   WorkerPool& pool, ClockFn clock, Arena& arena) {
+Detector::Detector(std::span<const ObjectModel> models, const DetectorLimits& limits,
+                   const DetectorParams& params, WorkerPool& pool, ClockFn clock, Arena& arena) {
   struct alignas(Impl) Room {
     std::byte bytes[sizeof(Impl)];
   };
-  impl_ = new (arena.take<Room>(1).data())
-      Impl(models, make_detector_plan(models, limits, pool.thread_count()), params, pool, clock, arena);
+  impl_ = new (arena.take<Room>(1).data()) Impl(
+      models, make_detector_plan(models, limits, pool.thread_count()), params, pool, clock, arena);
 }
 
-Detector::~Detector() { impl_->~Impl(); }
+Detector::~Detector() {
+  impl_->~Impl();
+}
 
-Result<DetectionReport> Detector::detect(const Frame& frame, const DetectRequest& request) noexcept {
+Result<DetectionReport> Detector::detect(const Frame& frame,
+                                         const DetectRequest& request) noexcept {
   return impl_->detect(frame, request);
 }
 
@@ -102,19 +118,26 @@ Result<DetectionReport> Detector::Impl::detect(const Frame& frame, const DetectR
   const Result<Roi> region = region_of(frame, plan);
   if (!region.ok()) return region.error();
   DetectionReport report;
-  timed(Stage::kPyramid, report, [&] { pyramid.build(frame, region.value(), plan.normal_codebook, kernels, pool); });
-  const int wanted = request.model_indices.empty() ? static_cast<int>(models.size()) : static_cast<int>(request.model_indices.size());
+  timed(Stage::kPyramid, report,
+        [&] { pyramid.build(frame, region.value(), plan.normal_codebook, kernels, pool); });
+  const int wanted = request.model_indices.empty() ? static_cast<int>(models.size())
+                                                   : static_cast<int>(request.model_indices.size());
   int found = 0;
   for (int i = 0; i < wanted; ++i) {
-    const int m = request.model_indices.empty() ? i : request.model_indices[static_cast<std::size_t>(i)];
-    if (m < 0 || m >= static_cast<int>(models.size())) return Error{ErrorCode::kModelIndexUnknown, m, "request"};
-    const Result<ScalePlan> scale = make_scale_plan(models[static_cast<std::size_t>(m)], frame.camera, plan.pyramid.level_count);
+    const int m =
+        request.model_indices.empty() ? i : request.model_indices[static_cast<std::size_t>(i)];
+    if (m < 0 || m >= static_cast<int>(models.size()))
+      return Error{ErrorCode::kModelIndexUnknown, m, "request"};
+    const Result<ScalePlan> scale = make_scale_plan(models[static_cast<std::size_t>(m)],
+                                                    frame.camera, plan.pyramid.level_count);
     if (!scale.ok()) return scale.error();
     if (!templates_fit(models[static_cast<std::size_t>(m)], scale.value(), plan.pyramid.border)) {
       return Error{ErrorCode::kModelCameraMismatch, m, "template size"};
     }
     scale_plans[static_cast<std::size_t>(m)] = scale.value();
-    found = search_model(m, found, report);
+    found = search_model(
+        m, std::min(kHypothesesPerModel, kHypothesesMax / static_cast<std::size_t>(wanted)), found,
+        report);
   }
   found = estimate_poses(found, report);
   timed(Stage::kExplain, report, [&] { explain(frame, request, found, report); });
@@ -122,14 +145,17 @@ Result<DetectionReport> Detector::Impl::detect(const Frame& frame, const DetectR
   return report;
 }
 
-// Appends the hypotheses of one model to the `found` ones before.
-int Detector::Impl::search_model(int model_index, int found, DetectionReport& report) {
+// Appends the hypotheses of one model, at most `room`, to the `found` ones before.
+int Detector::Impl::search_model(int model_index, std::size_t room, int found,
+                                 DetectionReport& report) {
   const SearchContext context{models, scale_plans, pyramid, kernels, params.layout, pool, clock};
-  report.level_count = std::max(report.level_count, models[static_cast<std::size_t>(model_index)].depth_count());
+  report.level_count =
+      std::max(report.level_count, models[static_cast<std::size_t>(model_index)].depth_count());
   const std::span<const Candidate> leaves = search.run(context, model_index, report);
   return timed(Stage::kSuppress, report, [&] {
-    const std::size_t room = std::min<std::size_t>(hypotheses.size() - static_cast<std::size_t>(found), kHypothesesPerModel);
-    return found + make_hypotheses(models, leaves, pyramid, hypotheses.subspan(static_cast<std::size_t>(found), room), report);
+    return found + make_hypotheses(models, leaves, pyramid,
+                                   hypotheses.subspan(static_cast<std::size_t>(found), room),
+                                   report);
   });
 }
 
@@ -140,19 +166,24 @@ int Detector::Impl::estimate_poses(int count, DetectionReport& report) {
   timed(Stage::kPnp, report, [&] { align_and_solve_pnp(context, living()); });
   timed(Stage::kIcp, report, [&] { run_icp(context, living()); });
   timed(Stage::kVerify, report, [&] { run_verify(context, living()); });
-  count = timed(Stage::kSuppress, report, [&] { return suppress(models, living(), kPerPlaceAfterIcp, report); });
+  count = timed(Stage::kSuppress, report,
+                [&] { return suppress(models, living(), kPerPlaceAfterIcp, report); });
   timed(Stage::kRefine, report, [&] { run_refine(context, living()); });
   timed(Stage::kVerify, report, [&] { run_verify(context, living()); });
-  return timed(Stage::kSuppress, report, [&] { return suppress(models, living(), kPerPlaceAfterIcp, report); });
+  return timed(Stage::kSuppress, report,
+               [&] { return suppress(models, living(), kPerPlaceAfterIcp, report); });
 }
 
-void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, int count, DetectionReport& report) {
+void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, int count,
+                             DetectionReport& report) {
   const Scene scene(pyramid);
   ownership.clear(scene);
-  const std::size_t limit = std::min<std::size_t>(static_cast<std::size_t>(std::max(0, request.max_results)), detections.size());
+  const std::size_t limit = std::min<std::size_t>(
+      static_cast<std::size_t>(std::max(0, request.max_results)), detections.size());
   std::size_t accepted = 0;
   auto drop = [&](DropReason reason) { ++report.dropped[static_cast<std::size_t>(reason)]; };
-  for (const Hypothesis& h : hypotheses.first(static_cast<std::size_t>(count))) {  // best first
+  // In the order of what they explain.
+  for (const Hypothesis& h : hypotheses.first(static_cast<std::size_t>(count))) {
     const ObjectModel& model = models[h.candidate.model];
     const Evidence& e = h.evidence;
     if (!centre_inside_roi(frame, pyramid.region(), h.T_cam_centre, scene)) continue;
@@ -160,7 +191,7 @@ void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, i
       drop(DropReason::kTooHidden);
     } else if (e.contradicted > e.measured) {
       drop(DropReason::kContradicted);
-    } else if (h.rank < request.min_score) {
+    } else if (e.score() < request.min_score) {
       drop(DropReason::kBelowMinScore);
     } else if (ownership.owned_share(model, scene, h.T_cam_centre) > kOwnedShareMax) {
       drop(DropReason::kOverlapsBetter);
@@ -171,6 +202,8 @@ void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, i
       detections[accepted++] = detection_of(h);
     }
   }
+  std::sort(detections.begin(), detections.begin() + static_cast<std::ptrdiff_t>(accepted),
+            better_detection);
   report.detections = detections.first(accepted);
 }
 
@@ -180,14 +213,16 @@ Detection Detector::Impl::detection_of(const Hypothesis& h) const {
   d.model_index = h.candidate.model;
   d.T_cam_obj = h.T_cam_centre;
   d.T_cam_obj.t_mm -= h.T_cam_centre.R * centre_offset(model);
-  d.score = h.rank;
+  d.score = h.evidence.score();
   d.visible_fraction = h.evidence.visible_fraction();
   d.depth_support = h.evidence.depth_support();
   d.contour_support = h.evidence.contour_support();
   d.depth_residual_mm = h.evidence.residual_mm;
   d.template_score = static_cast<double>(h.candidate.score) / kScoreOne;
   const TreeDepth& leaves = model.depth(model.depth_count() - 1);
-  d.template_index = (h.candidate.viewpoint * leaves.roll_count + h.candidate.roll) * leaves.distance_count + h.candidate.distance;
+  d.template_index =
+      (h.candidate.viewpoint * leaves.roll_count + h.candidate.roll) * leaves.distance_count +
+      h.candidate.distance;
   return d;
 }
 

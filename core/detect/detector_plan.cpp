@@ -10,17 +10,21 @@ int largest_offset(const ObjectModel& model, int d) {
   int largest = 0;
   for (const TemplateRange& t : model.depth(d).templates) {
     for (const Feature& f : model.features(t)) {
-      largest = std::max({largest, std::abs(static_cast<int>(f.x)), std::abs(static_cast<int>(f.y))});
+      largest =
+          std::max({largest, std::abs(static_cast<int>(f.x)), std::abs(static_cast<int>(f.y))});
     }
   }
   return largest;
 }
 
-int rounded_up(int value, int multiple) { return (value + multiple - 1) / multiple * multiple; }
+int rounded_up(int value, int multiple) {
+  return (value + multiple - 1) / multiple * multiple;
+}
 
 }  // namespace
 
-DetectorPlan make_detector_plan(std::span<const ObjectModel> models, const DetectorLimits& limits, int thread_count) {
+DetectorPlan make_detector_plan(std::span<const ObjectModel> models, const DetectorLimits& limits,
+                                int thread_count) {
   BINPICK_ASSERT(!models.empty());
   DetectorPlan plan;
   plan.limits = limits;
@@ -33,25 +37,36 @@ DetectorPlan make_detector_plan(std::span<const ObjectModel> models, const Detec
     BINPICK_ASSERT(model.info().normal_codebook == plan.normal_codebook);
     const int leaf = model.depth_count() - 1;
     // One level more than at the reference distance: nearer parts are larger.
-    pyramid.level_count = std::max(pyramid.level_count, model.info().base_level + leaf - model.info().scan_depth + 2);
-    for (int d = model.info().scan_depth; d <= leaf; ++d) offset = std::max(offset, largest_offset(model, d));
+    pyramid.level_count =
+        std::max(pyramid.level_count, model.info().base_level + leaf - model.info().scan_depth + 2);
+    for (int d = model.info().scan_depth; d <= leaf; ++d)
+      offset = std::max(offset, largest_offset(model, d));
     const TreeDepth& scanned = model.depth(model.info().scan_depth);
     int features = 0;
     for (const TemplateRange& t : scanned.templates) features += t.count;
-    plan.search.scan.templates_max = std::max(plan.search.scan.templates_max, static_cast<int>(scanned.templates.size()));
+    plan.search.scan.templates_max =
+        std::max(plan.search.scan.templates_max, static_cast<int>(scanned.templates.size()));
     plan.search.scan.features_max = std::max(plan.search.scan.features_max, features);
   }
   pyramid.level_count = std::min(pyramid.level_count, kPyramidLevelsMax);
   // A change of scale by up to one half to either side is bridged within a level.
   pyramid.border = rounded_up(offset * 3 / 2 + 8, 4);
   const int align = 1 << (pyramid.level_count - 1);
-  const int width = limits.roi_width > 0 ? std::min(limits.image_width, limits.roi_width + 2 * (kRegionMarginPx + align)) : limits.image_width;
-  const int height = limits.roi_height > 0 ? std::min(limits.image_height, limits.roi_height + 2 * (kRegionMarginPx + align)) : limits.image_height;
+  const int width =
+      limits.roi_width > 0
+          ? std::min(limits.image_width, limits.roi_width + 2 * (kRegionMarginPx + align))
+          : limits.image_width;
+  const int height =
+      limits.roi_height > 0
+          ? std::min(limits.image_height, limits.roi_height + 2 * (kRegionMarginPx + align))
+          : limits.image_height;
   pyramid.width_max = rounded_up(width, align);
   pyramid.height_max = rounded_up(height, align);
   for (const ObjectModel& model : models) {
     const int leaf = model.depth_count() - 1;
-    for (int l = 0; l < pyramid.level_count && l <= model.info().base_level + leaf - model.info().scan_depth; ++l) {
+    for (int l = 0;
+         l < pyramid.level_count && l <= model.info().base_level + leaf - model.info().scan_depth;
+         ++l) {
       pyramid.rearranged_from_level[l] = true;
     }
   }
@@ -59,7 +74,8 @@ DetectorPlan make_detector_plan(std::span<const ObjectModel> models, const Detec
   plan.search.scan.height_max = pyramid.height_max;
   // Scanned levels are at least leaf - scan_depth levels below full resolution.
   int finest_scan = kPyramidLevelsMax;
-  for (const ObjectModel& model : models) finest_scan = std::min(finest_scan, model.depth_count() - 1 - model.info().scan_depth);
+  for (const ObjectModel& model : models)
+    finest_scan = std::min(finest_scan, model.depth_count() - 1 - model.info().scan_depth);
   plan.search.scan.width_max >>= finest_scan;
   plan.search.scan.height_max >>= finest_scan;
   plan.search.scan.thread_count = thread_count;
@@ -73,10 +89,12 @@ Result<Roi> region_of(const Frame& frame, const DetectorPlan& plan) {
   if (!has_depth && !has_intensity) return Error{ErrorCode::kFrameEmpty, 0, "frame"};
   const int width = has_depth ? frame.depth_mm.width : frame.intensity.width;
   const int height = has_depth ? frame.depth_mm.height : frame.intensity.height;
-  if (has_depth && has_intensity && (frame.intensity.width != width || frame.intensity.height != height)) {
+  if (has_depth && has_intensity &&
+      (frame.intensity.width != width || frame.intensity.height != height)) {
     return Error{ErrorCode::kFrameSizeMismatch, frame.intensity.width, "intensity width"};
   }
-  if (width > plan.limits.image_width || height > plan.limits.image_height) return Error{ErrorCode::kFrameTooLarge, width, "frame width"};
+  if (width > plan.limits.image_width || height > plan.limits.image_height)
+    return Error{ErrorCode::kFrameTooLarge, width, "frame width"};
   if (!frame.camera.valid()) return Error{ErrorCode::kIntrinsicsInvalid, 0, "camera"};
   Roi roi = frame.roi;
   if (roi.whole_image()) roi = {0, 0, width, height};
@@ -88,10 +106,14 @@ Result<Roi> region_of(const Frame& frame, const DetectorPlan& plan) {
   Roi region;
   region.x = std::max(0, left - kRegionMarginPx) / align * align;
   region.y = std::max(0, top - kRegionMarginPx) / align * align;
-  region.width = (std::min(width, static_cast<int>(right) + kRegionMarginPx) - region.x) / align * align;
-  region.height = (std::min(height, static_cast<int>(bottom) + kRegionMarginPx) - region.y) / align * align;
-  if (region.width < 8 * align || region.height < 8 * align) return Error{ErrorCode::kFrameEmpty, region.width, "region too small to search"};
-  if (region.width > plan.pyramid.width_max || region.height > plan.pyramid.height_max) return Error{ErrorCode::kRoiTooLarge, region.width, "roi"};
+  region.width =
+      (std::min(width, static_cast<int>(right) + kRegionMarginPx) - region.x) / align * align;
+  region.height =
+      (std::min(height, static_cast<int>(bottom) + kRegionMarginPx) - region.y) / align * align;
+  if (region.width < 8 * align || region.height < 8 * align)
+    return Error{ErrorCode::kFrameEmpty, region.width, "region too small to search"};
+  if (region.width > plan.pyramid.width_max || region.height > plan.pyramid.height_max)
+    return Error{ErrorCode::kRoiTooLarge, region.width, "roi"};
   return region;
 }
 
@@ -108,7 +130,8 @@ bool templates_fit(const ObjectModel& model, const ScalePlan& plan, int border_p
 bool centre_inside_roi(const Frame& frame, const Roi& region, const Pose& T, const Scene& scene) {
   if (frame.roi.whole_image()) return true;
   const Vec2 uv = scene.intensity.camera.project(T.t_mm) + Vec2(region.x, region.y);
-  return uv.x() >= frame.roi.x && uv.y() >= frame.roi.y && uv.x() < frame.roi.x + frame.roi.width && uv.y() < frame.roi.y + frame.roi.height;
+  return uv.x() >= frame.roi.x && uv.y() >= frame.roi.y && uv.x() < frame.roi.x + frame.roi.width &&
+         uv.y() < frame.roi.y + frame.roi.height;
 }
 
 }  // namespace binpick

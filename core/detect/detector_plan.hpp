@@ -1,5 +1,5 @@
-// What a detector is built for: pyramid size, borders and search limits that hold for all its models, and the region of a frame that
-// it works on.
+// What a detector is built for: pyramid size, borders and search limits that hold for all its
+// models, and the region of a frame that it works on.
 #pragma once
 
 #include <span>
@@ -11,9 +11,12 @@
 
 namespace binpick {
 
+// Poses that go on from the search: of one model, and of all models of a request, which share them
+// evenly.
 inline constexpr std::size_t kHypothesesPerModel = 1500;
-inline constexpr std::size_t kHypothesesMax = 2400;  // of all models of a request
-// Pixels around the region of interest that are looked at too, so that parts at its rim have their outline.
+inline constexpr std::size_t kHypothesesMax = 4500;
+// Pixels around the region of interest that are looked at too, so that parts at its rim have their
+// outline.
 inline constexpr int kRegionMarginPx = 48;
 
 struct DetectorPlan {
@@ -25,17 +28,21 @@ struct DetectorPlan {
   int results_max = 0;
 };
 
-// All models must share one normal codebook (asserted; the programs check it when they load models).
-DetectorPlan make_detector_plan(std::span<const ObjectModel> models, const DetectorLimits& limits, int thread_count);
+// All models must share one normal codebook (asserted; the programs check it when they load
+// models).
+DetectorPlan make_detector_plan(std::span<const ObjectModel> models, const DetectorLimits& limits,
+                                int thread_count);
 
-// The part of the frame to work on: the region of interest and a margin, aligned to the coarsest level's pixels. Errors as
-// Detector::detect states.
+// The part of the frame to work on: the region of interest and a margin, aligned to the coarsest
+// level's pixels. Errors as Detector::detect states.
 Result<Roi> region_of(const Frame& frame, const DetectorPlan& plan);
 
 // Whether all templates, at their scales, stay within the border of the maps.
 bool templates_fit(const ObjectModel& model, const ScalePlan& plan, int border_px);
 
-// Whether the part's centre projects into the region of interest. `T_cam_centre` is in the cropped region's camera.
-bool centre_inside_roi(const Frame& frame, const Roi& region, const Pose& T_cam_centre, const Scene& scene);
+// Whether the part's centre projects into the region of interest. `T_cam_centre` is in the cropped
+// region's camera.
+bool centre_inside_roi(const Frame& frame, const Roi& region, const Pose& T_cam_centre,
+                       const Scene& scene);
 
 }  // namespace binpick

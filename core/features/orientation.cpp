@@ -5,15 +5,16 @@
 namespace binpick {
 namespace {
 
-// The cell that faces the camera ends at this tilt; chosen so that the eight cells of a convex part cover
-// about the same projected area (sin^2 = 1/8).
+// The cell that faces the camera ends at this tilt; chosen so that the eight cells of a convex part
+// cover about the same projected area (sin^2 = 1/8).
 constexpr float kFacingTiltSin = 0.354f;
 // Around that tilt the histogram weight passes linearly from the facing cell to the ring.
 constexpr float kFacingBlend = 0.10f;
 // Below this tilt an azimuth is noise: the paper's codebook gives no orientation.
 constexpr float kAzimuthTiltSinMin = 0.05f;
 
-// Weights of the two bins around position `p` (in bins) on a ring of `bins` bins that starts at `first`.
+// Weights of the two bins around position `p` (in bins) on a ring of `bins` bins that starts at
+// `first`.
 void ring_bins(float p, int bins, int first, float scale, SoftBins& out) {
   const float whole = std::floor(p);
   const float fraction = p - whole;
@@ -39,7 +40,8 @@ SoftBins soft_normal_bins(NormalCodebook codebook, float tilt_sin, float azimuth
     if (tilt_sin >= kAzimuthTiltSinMin) ring_bins(turn * 8, 8, 0, 1.0f, out);
     return out;
   }
-  const float ring = std::clamp((tilt_sin - kFacingTiltSin) / (2 * kFacingBlend) + 0.5f, 0.0f, 1.0f);
+  const float ring =
+      std::clamp((tilt_sin - kFacingTiltSin) / (2 * kFacingBlend) + 0.5f, 0.0f, 1.0f);
   if (ring < 1) {
     out.bin[out.count] = 0;
     out.weight[out.count++] = 1 - ring;

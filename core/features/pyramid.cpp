@@ -13,8 +13,8 @@ namespace {
 
 // Sobel magnitude of an edge between areas that differ by about eight gray levels.
 constexpr std::int32_t kGradientThreshold = 32;
-// Where there is depth to show the outlines, only strong edges of the intensity are taken: textures, scratches and
-// threads answer to the weaker threshold nearly everywhere.
+// Where there is depth to show the outlines, only strong edges of the intensity are taken:
+// textures, scratches and threads answer to the weaker threshold nearly everywhere.
 constexpr std::int32_t kStrongGradient = 120;
 // Rows that one task works on.
 constexpr int kRowsPerTask = 16;
@@ -24,8 +24,12 @@ constexpr std::ptrdiff_t kReadAhead = 64;
 std::ptrdiff_t map_stride(const PyramidPlan& plan, int l) {
   return ((plan.width_max >> l) + 2 * plan.border + kReadAhead + 63) / 64 * 64;
 }
-std::ptrdiff_t map_rows(const PyramidPlan& plan, int l) { return (plan.height_max >> l) + 2 * plan.border + 4; }
-std::ptrdiff_t image_stride(const PyramidPlan& plan, int l) { return ((plan.width_max >> l) + 15) / 16 * 16; }
+std::ptrdiff_t map_rows(const PyramidPlan& plan, int l) {
+  return (plan.height_max >> l) + 2 * plan.border + 4;
+}
+std::ptrdiff_t image_stride(const PyramidPlan& plan, int l) {
+  return ((plan.width_max >> l) + 15) / 16 * 16;
+}
 
 template <class RowFn>
 void for_rows(WorkerPool& pool, int height, RowFn&& fn) {
@@ -76,7 +80,8 @@ LevelMemory take_level(const PyramidPlan& plan, int l, Source& source) {
   m.gradient = source.template take<std::uint8_t>(map);
   m.normal = source.template take<std::uint8_t>(map);
   if (plan.rearranged_from_level[l]) {
-    m.blocks = source.template take<std::uint8_t>(map / 4 * static_cast<std::size_t>(simd::kBlockBytes));
+    m.blocks =
+        source.template take<std::uint8_t>(map / 4 * static_cast<std::size_t>(simd::kBlockBytes));
   }
   return m;
 }
@@ -90,7 +95,8 @@ std::size_t FeaturePyramid::footprint(const PyramidPlan& plan) {
 }
 
 FeaturePyramid::FeaturePyramid(const PyramidPlan& plan, Arena& arena) : plan_(plan) {
-  BINPICK_ASSERT(plan.level_count > kFeatureLevel && plan.level_count <= kPyramidLevelsMax && plan.border % 4 == 0);
+  BINPICK_ASSERT(plan.level_count > kFeatureLevel && plan.level_count <= kPyramidLevelsMax &&
+                 plan.border % 4 == 0);
   for (int l = 0; l < plan.level_count; ++l) {
     const LevelMemory m = take_level(plan, l, arena);
     PyramidLevel& level = levels_[l];
@@ -109,7 +115,9 @@ FeaturePyramid::FeaturePyramid(const PyramidPlan& plan, Arena& arena) : plan_(pl
     level.plain = {gradient_maps_[l] + origin, normal_maps_[l] + origin, stride};
     if (plan.rearranged_from_level[l]) {
       const std::ptrdiff_t stride_blocks = stride / 2;
-      level.rearranged = {block_maps_[l] + (plan.border / 2 * stride_blocks + plan.border / 2) * simd::kBlockBytes, stride_blocks};
+      level.rearranged = {
+          block_maps_[l] + (plan.border / 2 * stride_blocks + plan.border / 2) * simd::kBlockBytes,
+          stride_blocks};
     }
   }
 }
@@ -154,14 +162,16 @@ void FeaturePyramid::copy_level_zero(const Frame& frame, WorkerPool& pool) {
     if (frame.intensity.empty()) {
       std::memset(gray, 0, static_cast<std::size_t>(level.width));
     } else {
-      std::memcpy(gray, frame.intensity.row(region_.y + y) + region_.x, static_cast<std::size_t>(level.width));
+      std::memcpy(gray, frame.intensity.row(region_.y + y) + region_.x,
+                  static_cast<std::size_t>(level.width));
     }
     if (frame.depth_mm.empty()) {
       std::fill_n(depth, level.width, 0.0f);
     } else {
       const float* from = frame.depth_mm.row(region_.y + y) + region_.x;
       // NaN, infinite and negative values mean no measurement.
-      for (int x = 0; x < level.width; ++x) depth[x] = from[x] > 0 && from[x] < 1e6f ? from[x] : 0.0f;
+      for (int x = 0; x < level.width; ++x)
+        depth[x] = from[x] > 0 && from[x] < 1e6f ? from[x] : 0.0f;
     }
   });
 }
@@ -177,7 +187,8 @@ void FeaturePyramid::halve(int to, WorkerPool& pool) {
     std::uint8_t* gray = coarse.gray + y * coarse.stride;
     float* depth = coarse.depth_mm + y * coarse.stride;
     for (int x = 0; x < coarse.width; ++x) {
-      gray[x] = static_cast<std::uint8_t>((g0[2 * x] + g0[2 * x + 1] + g1[2 * x] + g1[2 * x + 1] + 2) >> 2);
+      gray[x] = static_cast<std::uint8_t>(
+          (g0[2 * x] + g0[2 * x + 1] + g1[2 * x] + g1[2 * x + 1] + 2) >> 2);
       depth[x] = merged_depth({z0[2 * x], z0[2 * x + 1], z1[2 * x], z1[2 * x + 1]});
     }
   });
@@ -235,19 +246,23 @@ void FeaturePyramid::pool_normals(int to, WorkerPool& pool) {
 void FeaturePyramid::find_edges(const simd::KernelTable& kernels, WorkerPool& pool) {
   const PyramidLevel& level = levels_[kFeatureLevel];
   const ImageView<const float> depth{level.depth_mm, level.width, level.height, level.stride};
-  // The thin edges go to the normal map's memory, which is filled later; the spread ones to their place.
-  std::uint8_t* thin = normal_maps_[kFeatureLevel] + (level.plain.normal - normal_maps_[kFeatureLevel]);
+  // The thin edges go to the normal map's memory, which is filled later; the spread ones to their
+  // place.
+  std::uint8_t* thin =
+      normal_maps_[kFeatureLevel] + (level.plain.normal - normal_maps_[kFeatureLevel]);
   const bool has_depth = depth_valid_;
   for_rows(pool, level.height, [&](int y) {
     if (y < 1 || y >= level.height - 1) return;
     std::uint8_t* bits = thin + y * level.plain.stride;
     const std::int32_t threshold = has_depth ? kStrongGradient : kGradientThreshold;
-    kernels.gradient_row(level.gray + y * level.stride, level.stride, level.width, threshold * threshold, bits);
+    kernels.gradient_row(level.gray + y * level.stride, level.stride, level.width,
+                         threshold * threshold, bits);
     for (int x = 1; x < level.width - 1; ++x) {
       const DepthStep step = depth_step(depth, x, y);
       if (!step.edge) continue;
-      bits[x] = static_cast<std::uint8_t>(bits[x] | gradient_bit(static_cast<std::int32_t>(step.gx * 1024),
-                                                                 static_cast<std::int32_t>(step.gy * 1024)));
+      bits[x] = static_cast<std::uint8_t>(bits[x] |
+                                          gradient_bit(static_cast<std::int32_t>(step.gx * 1024),
+                                                       static_cast<std::int32_t>(step.gy * 1024)));
     }
   });
   // Measured outlines are off by a pixel or two: spread each to its neighbours.
@@ -261,7 +276,8 @@ void FeaturePyramid::find_edges(const simd::KernelTable& kernels, WorkerPool& po
   });
 }
 
-// Orientation bits of a level from those of the feature level: repeated below it, collected above it.
+// Orientation bits of a level from those of the feature level: repeated below it, collected above
+// it.
 void FeaturePyramid::carry_edges(int l, WorkerPool& pool) {
   const PyramidLevel& level = levels_[l];
   std::uint8_t* map = gradient_map(l);
@@ -278,7 +294,8 @@ void FeaturePyramid::carry_edges(int l, WorkerPool& pool) {
     const std::uint8_t* a = from.plain.gradient + 2 * y * from.plain.stride;
     const std::uint8_t* b = a + from.plain.stride;
     for (int x = 0; x < level.width; ++x) {
-      map[y * level.plain.stride + x] = static_cast<std::uint8_t>(a[2 * x] | a[2 * x + 1] | b[2 * x] | b[2 * x + 1]);
+      map[y * level.plain.stride + x] =
+          static_cast<std::uint8_t>(a[2 * x] | a[2 * x + 1] | b[2 * x] | b[2 * x + 1]);
     }
   });
 }
@@ -290,7 +307,9 @@ void FeaturePyramid::quantize_normals(int l, NormalCodebook codebook, WorkerPool
     std::uint8_t* cells = map + y * level.plain.stride;
     const std::ptrdiff_t row = y * level.stride;
     for (int x = 0; x < level.width; ++x) {
-      cells[x] = level.normal_valid[row + x] ? normal_bit(codebook, level.normal_x[row + x], level.normal_y[row + x]) : std::uint8_t{0};
+      cells[x] = level.normal_valid[row + x]
+                     ? normal_bit(codebook, level.normal_x[row + x], level.normal_y[row + x])
+                     : std::uint8_t{0};
     }
   });
 }

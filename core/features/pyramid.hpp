@@ -1,6 +1,6 @@
-// The feature pyramid of one frame: for each level the intensity and depth, both orientation maps with a border of
-// zeros, and the rearranged map. Covers the region of interest and a margin around it. Memory comes from the
-// arena once; build() fills it for every frame.
+// The feature pyramid of one frame: for each level the intensity and depth, both orientation maps
+// with a border of zeros, and the rearranged map. Covers the region of interest and a margin around
+// it. Memory comes from the arena once; build() fills it for every frame.
 #pragma once
 
 #include <cstddef>
@@ -16,28 +16,28 @@
 namespace binpick {
 
 inline constexpr int kPyramidLevelsMax = 8;
-// Level at which planes are fitted and edges are found; finer levels repeat its features, coarser ones collect them, as
-// the templates' histograms are collected from fine to coarse (Algorithm 1).
+// Level at which planes are fitted and edges are found; finer levels repeat its features, coarser
+// ones collect them, as the templates' histograms are collected from fine to coarse (Algorithm 1).
 inline constexpr int kFeatureLevel = 1;
 
 struct PyramidLevel {
   int width = 0, height = 0;     // of this frame
   std::uint8_t* gray = nullptr;  // width_max stride
   float* depth_mm = nullptr;
-  float* normal_x = nullptr;     // in ray frames, valid where normal_valid
+  float* normal_x = nullptr;  // in ray frames, valid where normal_valid
   float* normal_y = nullptr;
   std::uint8_t* normal_valid = nullptr;
-  std::ptrdiff_t stride = 0;     // of the four above
-  CameraIntrinsics camera;       // of the cropped level
+  std::ptrdiff_t stride = 0;  // of the four above
+  CameraIntrinsics camera;    // of the cropped level
   simd::PlainMaps plain{};
   simd::RearrangedMap rearranged{};
-  int border = 0;                // px of zeros around the maps
+  int border = 0;  // px of zeros around the maps
 };
 
 struct PyramidPlan {
   int width_max = 0, height_max = 0;  // of the region with its margin, level 0
   int level_count = 0;
-  int border = 0;                     // px, the same at each level; a multiple of 4
+  int border = 0;  // px, the same at each level; a multiple of 4
   bool rearranged_from_level[kPyramidLevelsMax] = {};  // which levels need the rearranged map
 };
 
@@ -46,10 +46,10 @@ class FeaturePyramid {
   static std::size_t footprint(const PyramidPlan& plan);
   FeaturePyramid(const PyramidPlan& plan, Arena& arena);
 
-  // Fills all levels from the pixels of `region` (which lies in the frame, its origin at multiples of
-  // 2^(levels-1), at most width_max x height_max).
-  void build(const Frame& frame, const Roi& region, NormalCodebook codebook, const simd::KernelTable& kernels,
-             WorkerPool& pool);
+  // Fills all levels from the pixels of `region` (which lies in the frame, its origin at multiples
+  // of 2^(levels-1), at most width_max x height_max).
+  void build(const Frame& frame, const Roi& region, NormalCodebook codebook,
+             const simd::KernelTable& kernels, WorkerPool& pool);
 
   const PyramidLevel& level(int l) const { return levels_[l]; }
   int level_count() const { return plan_.level_count; }
@@ -64,7 +64,9 @@ class FeaturePyramid {
   void carry_edges(int l, WorkerPool& pool);
   void quantize_normals(int l, NormalCodebook codebook, WorkerPool& pool);
   void rearrange(int l, WorkerPool& pool);
-  std::uint8_t* gradient_map(int l) { return gradient_maps_[l] + (levels_[l].plain.gradient - gradient_maps_[l]); }
+  std::uint8_t* gradient_map(int l) {
+    return gradient_maps_[l] + (levels_[l].plain.gradient - gradient_maps_[l]);
+  }
 
   PyramidPlan plan_;
   PyramidLevel levels_[kPyramidLevelsMax];

@@ -5,7 +5,8 @@
 
 namespace binpick {
 
-RayNormal fit_ray_normal(ImageView<const float> depth_mm, const CameraIntrinsics& camera, int x, int y) {
+RayNormal fit_ray_normal(ImageView<const float> depth_mm, const CameraIntrinsics& camera, int x,
+                         int y) {
   const float z = depth_mm.at(x, y);
   RayNormal out;
   if (!(z > 0)) return out;
@@ -28,11 +29,14 @@ RayNormal fit_ray_normal(ImageView<const float> depth_mm, const CameraIntrinsics
   }
   const float det = a11 * a22 - a12 * a12;
   if (count < 10 || det < 100) return out;
-  // Slopes of ln z against the tangents of the viewing angles; see the derivation in ARCHITECTURE.md.
+  // Slopes of ln z against the tangents of the viewing angles; see the derivation in
+  // ARCHITECTURE.md.
   const float p = (a22 * b1 - a12 * b2) / det * static_cast<float>(camera.fx) / z;
   const float q = (a11 * b2 - a12 * b1) / det * static_cast<float>(camera.fy) / z;
-  const float xr = (static_cast<float>(x) - static_cast<float>(camera.cx)) / static_cast<float>(camera.fx);
-  const float yr = (static_cast<float>(y) - static_cast<float>(camera.cy)) / static_cast<float>(camera.fy);
+  const float xr =
+      (static_cast<float>(x) - static_cast<float>(camera.cx)) / static_cast<float>(camera.fx);
+  const float yr =
+      (static_cast<float>(y) - static_cast<float>(camera.cy)) / static_cast<float>(camera.fy);
   const float nz = -(1 + xr * p + yr * q);
   const float inv_n = 1 / std::sqrt(p * p + q * q + nz * nz);
   const float inv_r = 1 / std::sqrt(1 + xr * xr + yr * yr);
@@ -53,12 +57,14 @@ DepthStep depth_step(ImageView<const float> depth_mm, int x, int y) {
   float d[3][3];
   for (int j = 0; j < 3; ++j) {
     const float* row = depth_mm.row(y + j - 1) + x - 1;
-    for (int i = 0; i < 3; ++i) d[j][i] = row[i] > 0 ? std::clamp((row[i] - z) * per_step, -2.0f, 2.0f) : 2.0f;
+    for (int i = 0; i < 3; ++i)
+      d[j][i] = row[i] > 0 ? std::clamp((row[i] - z) * per_step, -2.0f, 2.0f) : 2.0f;
   }
   out.gx = (d[0][2] + 2 * d[1][2] + d[2][2]) - (d[0][0] + 2 * d[1][0] + d[2][0]);
   out.gy = (d[2][0] + 2 * d[2][1] + d[2][2]) - (d[0][0] + 2 * d[0][1] + d[0][2]);
   // Second differences: a slope is no step, however steep.
-  const float bend = std::max(std::max(d[1][0] + d[1][2], d[0][1] + d[2][1]), std::max(d[0][0] + d[2][2], d[0][2] + d[2][0]));
+  const float bend = std::max(std::max(d[1][0] + d[1][2], d[0][1] + d[2][1]),
+                              std::max(d[0][0] + d[2][2], d[0][2] + d[2][0]));
   out.edge = bend >= 1 && out.gx * out.gx + out.gy * out.gy >= 4;
   return out;
 }

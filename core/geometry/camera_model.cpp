@@ -5,7 +5,8 @@
 namespace binpick {
 
 bool CameraIntrinsics::valid() const {
-  return std::isfinite(fx) && std::isfinite(fy) && std::isfinite(cx) && std::isfinite(cy) && fx > 0 && fy > 0;
+  return std::isfinite(fx) && std::isfinite(fy) && std::isfinite(cx) && std::isfinite(cy) &&
+         fx > 0 && fy > 0;
 }
 
 // Block (0, 0) of 2^l x 2^l pixels has its centre at ((2^l - 1) / 2, (2^l - 1) / 2).

@@ -1,5 +1,5 @@
-// Layout of a model file, version 1. Little-endian; every table starts at a multiple of 64 bytes from the
-// start of the file. Written by core/train/model_writer, read in place by ObjectModel.
+// Layout of a model file, version 2. Little-endian; every table starts at a multiple of 64 bytes
+// from the start of the file. Written by core/train/model_writer, read in place by ObjectModel.
 //
 //   ModelHeader | Viewpoint tables (one per depth) | TemplateRange tables (one per depth)
 //   | Feature table | SurfaceSample table | ContourSample table
@@ -18,7 +18,7 @@ namespace binpick {
 static_assert(std::endian::native == std::endian::little, "model files are read in place");
 
 inline constexpr char kModelMagic[8] = {'B', 'I', 'N', 'P', 'I', 'C', 'K', 'M'};
-inline constexpr std::uint32_t kModelVersion = 1;
+inline constexpr std::uint32_t kModelVersion = 2;
 inline constexpr std::size_t kModelAlignment = 64;
 // A model beyond this was not made by this program.
 inline constexpr std::uint64_t kModelBytesMax = 1ull << 30;
@@ -44,10 +44,11 @@ struct ModelHeader {
   ModelTable features, surface, contour;
 };
 static_assert(std::is_trivially_copyable_v<ModelHeader>);
-static_assert(sizeof(Feature) == 6 && sizeof(TemplateRange) == 12 && sizeof(Viewpoint) == 64);
+static_assert(sizeof(Feature) == 6 && sizeof(TemplateRange) == 12 && sizeof(Viewpoint) == 68);
 static_assert(sizeof(SurfaceSample) == 24 && sizeof(ContourSample) == 28);
 
-inline constexpr std::size_t kChecksumFrom = offsetof(ModelHeader, checksum) + sizeof(std::uint64_t);
+inline constexpr std::size_t kChecksumFrom =
+    offsetof(ModelHeader, checksum) + sizeof(std::uint64_t);
 
 // FNV-1a over 64-bit words, the rest over bytes: detects any change of a bit, at memory speed.
 inline std::uint64_t model_checksum(std::span<const std::uint8_t> bytes) {

@@ -15,14 +15,18 @@ constexpr Error inconsistent(const char* where, long long detail = 0) {
 
 // The table as a span, or false when it does not lie within the file.
 template <class T>
-bool read_table(std::span<const std::uint8_t> bytes, const ModelTable& table, std::span<const T>& out) {
+bool read_table(std::span<const std::uint8_t> bytes, const ModelTable& table,
+                std::span<const T>& out) {
   if (table.offset_bytes % kModelAlignment != 0 || table.offset_bytes > bytes.size()) return false;
   if (table.count > (bytes.size() - table.offset_bytes) / sizeof(T)) return false;
-  out = {reinterpret_cast<const T*>(bytes.data() + table.offset_bytes), static_cast<std::size_t>(table.count)};
+  out = {reinterpret_cast<const T*>(bytes.data() + table.offset_bytes),
+         static_cast<std::size_t>(table.count)};
   return true;
 }
 
-bool finite_and_positive(double x) { return std::isfinite(x) && x > 0; }
+bool finite_and_positive(double x) {
+  return std::isfinite(x) && x > 0;
+}
 
 bool all_finite(const float* values, int count) {
   for (int i = 0; i < count; ++i) {
@@ -32,10 +36,14 @@ bool all_finite(const float* values, int count) {
 }
 
 bool plausible(const ModelInfo& i) {
-  return i.camera.valid() && finite_and_positive(i.distance_min_mm) && std::isfinite(i.distance_max_mm) &&
-         i.distance_max_mm >= i.distance_min_mm && finite_and_positive(i.reference_distance_mm) &&
-         finite_and_positive(i.diameter_mm) && i.depth_count >= 1 && i.depth_count <= kModelDepthsMax &&
-         i.scan_depth >= 0 && i.scan_depth < i.depth_count && i.base_level >= 0 && i.base_level < 8 &&
+  for (int k = 0; k < 3; ++k) {
+    if (!std::isfinite(i.bounds_min_mm[k]) || !std::isfinite(i.bounds_max_mm[k])) return false;
+  }
+  return i.camera.valid() && finite_and_positive(i.distance_min_mm) &&
+         std::isfinite(i.distance_max_mm) && i.distance_max_mm >= i.distance_min_mm &&
+         finite_and_positive(i.reference_distance_mm) && finite_and_positive(i.diameter_mm) &&
+         i.depth_count >= 1 && i.depth_count <= kModelDepthsMax && i.scan_depth >= 0 &&
+         i.scan_depth < i.depth_count && i.base_level >= 0 && i.base_level < 8 &&
          static_cast<int>(i.normal_codebook) <= 1;
 }
 
@@ -58,16 +66,20 @@ bool template_valid(const TemplateRange& t, std::span<const Feature> features) {
 }  // namespace
 
 Result<ObjectModel> ObjectModel::parse(std::span<const std::uint8_t> bytes) {
-  if (bytes.size() < sizeof(kModelMagic)) return Error{ErrorCode::kModelTruncated, static_cast<long long>(bytes.size()), "magic"};
-  if (std::memcmp(bytes.data(), kModelMagic, sizeof(kModelMagic)) != 0) return Error{ErrorCode::kModelForeign, 0, "magic"};
-  if (bytes.size() < sizeof(ModelHeader)) return Error{ErrorCode::kModelTruncated, static_cast<long long>(bytes.size()), "header"};
+  if (bytes.size() < sizeof(kModelMagic))
+    return Error{ErrorCode::kModelTruncated, static_cast<long long>(bytes.size()), "magic"};
+  if (std::memcmp(bytes.data(), kModelMagic, sizeof(kModelMagic)) != 0)
+    return Error{ErrorCode::kModelForeign, 0, "magic"};
+  if (bytes.size() < sizeof(ModelHeader))
+    return Error{ErrorCode::kModelTruncated, static_cast<long long>(bytes.size()), "header"};
   BINPICK_ASSERT(reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(std::max_align_t) == 0);
   const auto& header = *reinterpret_cast<const ModelHeader*>(bytes.data());
   if (header.version != kModelVersion || header.header_bytes != sizeof(ModelHeader)) {
     return Error{ErrorCode::kModelVersion, header.version, "header"};
   }
   if (header.file_bytes != bytes.size() || header.file_bytes > kModelBytesMax) {
-    return Error{ErrorCode::kModelTruncated, static_cast<long long>(header.file_bytes), "file size"};
+    return Error{ErrorCode::kModelTruncated, static_cast<long long>(header.file_bytes),
+                 "file size"};
   }
   if (model_checksum(bytes.subspan(kChecksumFrom)) != header.checksum) {
     return Error{ErrorCode::kModelChecksum, 0, "checksum"};
@@ -81,45 +93,73 @@ Result<ObjectModel> ObjectModel::parse(std::span<const std::uint8_t> bytes) {
   if (!read_table(bytes, header.surface, model.surface_)) return inconsistent("surface table");
   if (!read_table(bytes, header.contour, model.contour_)) return inconsistent("contour table");
   for (const SurfaceSample& s : model.surface_) {
-    if (!all_finite(s.position_mm, 3) || !all_finite(s.normal, 3)) return inconsistent("surface sample");
+    if (!all_finite(s.position_mm, 3) || !all_finite(s.normal, 3))
+      return inconsistent("surface sample");
   }
   for (const ContourSample& c : model.contour_) {
-    if (!all_finite(c.position_mm, 3) || !all_finite(c.tangent, 3)) return inconsistent("contour sample");
+    if (!all_finite(c.position_mm, 3) || !all_finite(c.tangent, 3))
+      return inconsistent("contour sample");
   }
-  const int depth_count = header.info.depth_count;
-  for (int d = 0; d < depth_count; ++d) {
-    const ModelDepthHeader& from = header.depths[d];
-    TreeDepth& to = model.depths_[d];
-    if (!read_table(bytes, from.viewpoints, to.viewpoints)) return inconsistent("viewpoint table", d);
-    if (!read_table(bytes, from.templates, to.templates)) return inconsistent("template table", d);
-    to.roll_count = from.roll_count;
-    to.distance_count = from.distance_count;
-    if (to.viewpoints.empty() || to.viewpoints.size() > 100000) return inconsistent("viewpoint count", d);
-    if (to.roll_count < 1 || to.roll_count > 4096 || to.distance_count < 1 || to.distance_count > 4096) return inconsistent("roll or distance count", d);
-    if (to.templates.size() != to.viewpoints.size() * static_cast<std::size_t>(to.roll_count)) return inconsistent("template count", d);
-    for (const TemplateRange& t : to.templates) {
-      if (!template_valid(t, model.features_)) return inconsistent("template", d);
-    }
-    if (d > 0 && (to.roll_count != 2 * model.depths_[d - 1].roll_count ||
-                  (to.distance_count + 1) / 2 != model.depths_[d - 1].distance_count)) {
-      return inconsistent("halving of rolls or distances", d);
-    }
+  for (int d = 0; d < header.info.depth_count; ++d) {
+    const Error error = model.read_depth(bytes, header, d);
+    if (error.code != ErrorCode::kNone) return error;
   }
-  for (int d = 0; d < depth_count; ++d) {
-    const std::size_t below = d + 1 < depth_count ? model.depths_[d + 1].viewpoints.size() : 0;
-    for (const Viewpoint& v : model.depths_[d].viewpoints) {
-      if (!all_finite(v.R_view_obj, 9)) return inconsistent("viewpoint rotation", d);
-      if (v.child_first < 0 || v.child_count < 0 ||
-          !range_within(static_cast<std::uint64_t>(v.child_first), static_cast<std::uint64_t>(v.child_count), below)) {
-        return inconsistent("viewpoint children", d);
-      }
-      if (!range_within(v.surface_first, v.surface_count, model.surface_.size()) ||
-          !range_within(v.contour_first, v.contour_count, model.contour_.size())) {
-        return inconsistent("viewpoint samples", d);
-      }
-    }
+  for (int d = 0; d < header.info.depth_count; ++d) {
+    const Error error = model.check_viewpoints(d);
+    if (error.code != ErrorCode::kNone) return error;
   }
   return model;
+}
+
+Error ObjectModel::read_depth(std::span<const std::uint8_t> bytes, const ModelHeader& header,
+                              int d) {
+  const ModelDepthHeader& from = header.depths[d];
+  TreeDepth& to = depths_[d];
+  if (!read_table(bytes, from.viewpoints, to.viewpoints)) return inconsistent("viewpoint table", d);
+  if (!read_table(bytes, from.templates, to.templates)) return inconsistent("template table", d);
+  to.roll_count = from.roll_count;
+  to.distance_count = from.distance_count;
+  if (to.viewpoints.empty() || to.viewpoints.size() > 30000) {
+    return inconsistent("viewpoint count", d);
+  }
+  if (to.roll_count < 1 || to.roll_count > 4096 || to.distance_count < 1 ||
+      to.distance_count > kModelDistancesMax) {
+    return inconsistent("roll or distance count", d);
+  }
+  if (to.templates.size() != to.viewpoints.size() * static_cast<std::size_t>(to.roll_count)) {
+    return inconsistent("template count", d);
+  }
+  if (d == header.info.scan_depth && to.templates.size() > kModelScanTemplatesMax) {
+    return inconsistent("scanned template count", d);
+  }
+  for (const TemplateRange& t : to.templates) {
+    if (!template_valid(t, features_)) return inconsistent("template", d);
+  }
+  if (d > 0 && (to.roll_count != 2 * depths_[d - 1].roll_count ||
+                (to.distance_count + 1) / 2 != depths_[d - 1].distance_count)) {
+    return inconsistent("halving of rolls or distances", d);
+  }
+  return {};
+}
+
+Error ObjectModel::check_viewpoints(int d) const {
+  const std::size_t below =
+      d + 1 < info_->depth_count ? depths_[d + 1].viewpoints.size() : std::size_t{0};
+  for (const Viewpoint& v : depths_[d].viewpoints) {
+    if (!all_finite(v.R_view_obj, 9) || !std::isfinite(v.sample_area_mm2)) {
+      return inconsistent("viewpoint", d);
+    }
+    if (v.child_first < 0 || v.child_count < 0 ||
+        !range_within(static_cast<std::uint64_t>(v.child_first),
+                      static_cast<std::uint64_t>(v.child_count), below)) {
+      return inconsistent("viewpoint children", d);
+    }
+    if (!range_within(v.surface_first, v.surface_count, surface_.size()) ||
+        !range_within(v.contour_first, v.contour_count, contour_.size())) {
+      return inconsistent("viewpoint samples", d);
+    }
+  }
+  return {};
 }
 
 double ObjectModel::roll_rad(int d, int roll) const {

@@ -14,17 +14,19 @@ constexpr float kContrastMin = 8;
 
 float gray_at(const PyramidLevel& level, double u, double v) {
   const int x = static_cast<int>(u), y = static_cast<int>(v);
-  const float fx = static_cast<float>(u) - static_cast<float>(x), fy = static_cast<float>(v) - static_cast<float>(y);
+  const float fx = static_cast<float>(u) - static_cast<float>(x),
+              fy = static_cast<float>(v) - static_cast<float>(y);
   const std::uint8_t* p = level.gray + y * level.stride + x;
   const float top = static_cast<float>(p[0]) * (1 - fx) + static_cast<float>(p[1]) * fx;
-  const float bottom = static_cast<float>(p[level.stride]) * (1 - fx) + static_cast<float>(p[level.stride + 1]) * fx;
+  const float bottom =
+      static_cast<float>(p[level.stride]) * (1 - fx) + static_cast<float>(p[level.stride + 1]) * fx;
   return top * (1 - fy) + bottom * fy;
 }
 
 }  // namespace
 
-ContourPlace place_contour(const ContourSample& sample, const Scene& scene, const Pose& T, int range_px,
-                           double depth_tolerance_mm) {
+ContourPlace place_contour(const ContourSample& sample, const Scene& scene, const Pose& T,
+                           int range_px, double depth_tolerance_mm) {
   ContourPlace place;
   place.point_cam = T * position_of(sample);
   const Vec3 tangent = T.R * tangent_of(sample);
@@ -32,17 +34,21 @@ ContourPlace place_contour(const ContourSample& sample, const Scene& scene, cons
   const Vec3& p = place.point_cam;
   place.pixel = camera.project(p);
   // Image of the tangent: derivative of the projection.
-  const Vec2 along(camera.fx * (tangent.x() - p.x() / p.z() * tangent.z()), camera.fy * (tangent.y() - p.y() / p.z() * tangent.z()));
+  const Vec2 along(camera.fx * (tangent.x() - p.x() / p.z() * tangent.z()),
+                   camera.fy * (tangent.y() - p.y() / p.z() * tangent.z()));
   const double length = along.norm();
   if (length < 1e-6 * camera.fx) return place;
   place.normal_px = Vec2(-along.y(), along.x()) / length;
   const double margin = std::min(range_px, kRangeMax) + 3;
-  if (place.pixel.x() < margin || place.pixel.y() < margin || place.pixel.x() > scene.intensity.width - 2 - margin ||
-      place.pixel.y() > scene.intensity.height - 2 - margin) {
+  // In the negative, so that a pixel that is not a number lies outside too.
+  if (!(place.pixel.x() >= margin && place.pixel.y() >= margin &&
+        place.pixel.x() <= scene.intensity.width - 2 - margin &&
+        place.pixel.y() <= scene.intensity.height - 2 - margin)) {
     return place;
   }
   const Vec2 uv = scene.depth.camera.project(p);
-  const float z = scene.depth_at(static_cast<int>(std::lround(uv.x())), static_cast<int>(std::lround(uv.y())));
+  const float z =
+      scene.depth_at(static_cast<int>(std::lround(uv.x())), static_cast<int>(std::lround(uv.y())));
   place.visible = !(z > 0 && static_cast<double>(z) < p.z() - depth_tolerance_mm);
   return place;
 }
@@ -54,7 +60,8 @@ ContourMatch match_contour(const ContourPlace& place, const Scene& scene, int ra
   const int samples = 2 * range_px + 3;
   for (int i = 0; i < samples; ++i) {
     const double s = i - range_px - 1;
-    profile[i] = gray_at(scene.intensity, place.pixel.x() + s * place.normal_px.x(), place.pixel.y() + s * place.normal_px.y());
+    profile[i] = gray_at(scene.intensity, place.pixel.x() + s * place.normal_px.x(),
+                         place.pixel.y() + s * place.normal_px.y());
   }
   // The strongest step, nearer ones preferred.
   float best = 0;
@@ -82,8 +89,9 @@ ContourMatch match_contour(const ContourPlace& place, const Scene& scene, int ra
   return m;
 }
 
-int add_contour_residuals(const Viewpoint& view, const ObjectModel& model, const Scene& scene, const Pose& T, int range_px,
-                          double sigma_px, double depth_tolerance_mm, NormalEquations& equations) {
+int add_contour_residuals(const Viewpoint& view, const ObjectModel& model, const Scene& scene,
+                          const Pose& T, int range_px, double sigma_px, double depth_tolerance_mm,
+                          NormalEquations& equations) {
   const CameraIntrinsics& camera = scene.intensity.camera;
   int found = 0;
   for (const ContourSample& sample : model.contour(view)) {
@@ -93,7 +101,8 @@ int add_contour_residuals(const Viewpoint& view, const ObjectModel& model, const
     if (!m.found) continue;
     // d(offset along the normal)/d(point): the normal pulled back through the projection.
     const Vec3& p = place.point_cam;
-    const double a = place.normal_px.x() * camera.fx / p.z(), b = place.normal_px.y() * camera.fy / p.z();
+    const double a = place.normal_px.x() * camera.fx / p.z(),
+                 b = place.normal_px.y() * camera.fy / p.z();
     const Vec3 n(a, b, -(a * p.x() + b * p.y()) / p.z());
     const double k = m.offset_px * m.offset_px / (range_px * range_px);
     const double w = 1 / ((1 + 4 * k) * (1 + 4 * k));

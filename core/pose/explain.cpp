@@ -14,7 +14,8 @@ constexpr int kCellPx = 2;  // at the depth level
 constexpr double kExplainsRatio = 0.005;
 
 std::size_t cell_count(int width, int height) {
-  return static_cast<std::size_t>(width / kCellPx + 1) * static_cast<std::size_t>(height / kCellPx + 1);
+  return static_cast<std::size_t>(width / kCellPx + 1) *
+         static_cast<std::size_t>(height / kCellPx + 1);
 }
 
 }  // namespace
@@ -35,7 +36,8 @@ void SceneOwnership::clear(const Scene& scene) {
 }
 
 template <class Visit>
-void SceneOwnership::visit_cells(const ObjectModel& model, const Scene& scene, const Pose& T, Visit&& visit) const {
+void SceneOwnership::visit_cells(const ObjectModel& model, const Scene& scene, const Pose& T,
+                                 Visit&& visit) const {
   for (const SurfaceSample& s : model.surface(nearest_viewpoint(model, T))) {
     const Vec3 p = T * position_of(s);
     const Vec2 uv = scene.depth.camera.project(p);
@@ -45,7 +47,8 @@ void SceneOwnership::visit_cells(const ObjectModel& model, const Scene& scene, c
   }
 }
 
-double SceneOwnership::owned_share(const ObjectModel& model, const Scene& scene, const Pose& T) const {
+double SceneOwnership::owned_share(const ObjectModel& model, const Scene& scene,
+                                   const Pose& T) const {
   int total = 0, taken = 0;
   visit_cells(model, scene, T, [&](int x, int y) {
     ++total;
@@ -57,7 +60,8 @@ double SceneOwnership::owned_share(const ObjectModel& model, const Scene& scene,
 void SceneOwnership::claim(const ObjectModel& model, const Scene& scene, const Pose& T) {
   visit_cells(model, scene, T, [&](int cx, int cy) {
     for (int y = std::max(0, cy - 1); y <= std::min(rows_ - 1, cy + 1); ++y) {
-      for (int x = std::max(0, cx - 1); x <= std::min(columns_ - 1, cx + 1); ++x) owned_[static_cast<std::size_t>(y * columns_ + x)] = 1;
+      for (int x = std::max(0, cx - 1); x <= std::min(columns_ - 1, cx + 1); ++x)
+        owned_[static_cast<std::size_t>(y * columns_ + x)] = 1;
     }
   });
 }

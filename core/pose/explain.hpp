@@ -1,5 +1,5 @@
-// Greedy explanation of the scene: a better pose owns the measured pixels that it explains; what is left decides about
-// the next one.
+// Greedy explanation of the scene: a better pose owns the measured pixels that it explains; what is
+// left decides about the next one.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,8 @@ class SceneOwnership {
 
  private:
   template <class Visit>
-  void visit_cells(const ObjectModel& model, const Scene& scene, const Pose& T_cam_centre, Visit&& visit) const;
+  void visit_cells(const ObjectModel& model, const Scene& scene, const Pose& T_cam_centre,
+                   Visit&& visit) const;
 
   std::span<std::uint8_t> owned_;
   int columns_ = 0, rows_ = 0;

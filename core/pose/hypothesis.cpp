@@ -29,7 +29,9 @@ bool close(const Hypothesis& a, const Hypothesis& b, double position_mm, double 
          rotation_angle_between(a.T_cam_centre.R, b.T_cam_centre.R) < rotation_rad;
 }
 
-void count_drop(DetectionReport& report, DropReason reason) { ++report.dropped[static_cast<std::size_t>(reason)]; }
+void count_drop(DetectionReport& report, DropReason reason) {
+  ++report.dropped[static_cast<std::size_t>(reason)];
+}
 
 template <class Fn>
 void for_living(const PoseContext& context, std::span<Hypothesis> hypotheses, Fn&& fn) {
@@ -43,12 +45,15 @@ void for_living(const PoseContext& context, std::span<Hypothesis> hypotheses, Fn
   });
 }
 
-bool sane(const Pose& T) { return T.t_mm.allFinite() && T.R.allFinite() && T.t_mm.z() > 1; }
+bool sane(const Pose& T) {
+  return T.t_mm.allFinite() && T.R.allFinite() && T.t_mm.z() > 1;
+}
 
 }  // namespace
 
-int make_hypotheses(std::span<const ObjectModel> models, std::span<const Candidate> leaves, const FeaturePyramid& pyramid,
-                    std::span<Hypothesis> out, DetectionReport& report) {
+int make_hypotheses(std::span<const ObjectModel> models, std::span<const Candidate> leaves,
+                    const FeaturePyramid& pyramid, std::span<Hypothesis> out,
+                    DetectionReport& report) {
   std::size_t count = 0;
   for (const Candidate& c : leaves) {
     const ObjectModel& model = models[c.model];
@@ -57,9 +62,9 @@ int make_hypotheses(std::span<const ObjectModel> models, std::span<const Candida
     h.rank = c.score;
     h.T_cam_centre = candidate_pose(model, model.depth_count() - 1, c, pyramid);
     const double limit_mm = kSamePositionShare * model.info().diameter_mm;
-    const bool repeated = std::any_of(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(count), [&](const Hypothesis& o) {
-      return close(o, h, limit_mm, kSameRotation);
-    });
+    const bool repeated =
+        std::any_of(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(count),
+                    [&](const Hypothesis& o) { return close(o, h, limit_mm, kSameRotation); });
     if (repeated) {
       count_drop(report, DropReason::kDuplicate);
     } else if (count == out.size()) {
@@ -74,18 +79,22 @@ int make_hypotheses(std::span<const ObjectModel> models, std::span<const Candida
 void align_and_solve_pnp(const PoseContext& context, std::span<Hypothesis> hypotheses) {
   for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
     const ModelInfo& info = model.info();
-    const double range_mm = 0.5 * info.diameter_mm + 0.75 * (info.distance_max_mm - info.distance_min_mm) /
-                                                         model.depth(model.depth_count() - 1).distance_count;
+    const double range_mm =
+        0.5 * info.diameter_mm + 0.75 * (info.distance_max_mm - info.distance_min_mm) /
+                                     model.depth(model.depth_count() - 1).distance_count;
     if (!align_depth(model, context.scene, range_mm, h.T_cam_centre)) {
       h.drop(DropReason::kPoseDiverged);
       return;
     }
     Correspondence found[kCorrespondencesMax];
-    const int count = template_correspondences(model, context.scene, h.T_cam_centre, kPnpRangePx, found);
+    const int count =
+        template_correspondences(model, context.scene, h.T_cam_centre, kPnpRangePx, found);
     if (count < 12) return;  // too few edges: ICP goes on from the template's pose
     Pose solved = h.T_cam_centre;
-    const PnpResult result = solve_pnp({found, static_cast<std::size_t>(count)}, context.scene.intensity.camera, solved);
-    // Edges alone leave the distance loose; what they say about the rest of the pose must stay near the template.
+    const PnpResult result =
+        solve_pnp({found, static_cast<std::size_t>(count)}, context.scene.intensity.camera, solved);
+    // Edges alone leave the distance loose; what they say about the rest of the pose must stay near
+    // the template.
     const bool near = rotation_angle_between(solved.R, h.T_cam_centre.R) < 15 * kDegree &&
                       (solved.t_mm - h.T_cam_centre.t_mm).norm() < 0.1 * info.diameter_mm;
     if (result.converged && near && sane(solved)) h.T_cam_centre = solved;
@@ -96,7 +105,8 @@ void run_icp(const PoseContext& context, std::span<Hypothesis> hypotheses) {
   for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
     IcpParams params;
     params.sample_step = 2;
-    params.gate_start_mm = std::max(0.08 * model.info().diameter_mm, 0.004 * h.T_cam_centre.t_mm.z());
+    params.gate_start_mm =
+        std::max(0.08 * model.info().diameter_mm, 0.004 * h.T_cam_centre.t_mm.z());
     params.gate_end_mm = std::max(0.02 * model.info().diameter_mm, 0.002 * h.T_cam_centre.t_mm.z());
     const IcpResult result = icp(model, context.scene, params, h.T_cam_centre);
     if (result.pairs < 10 || !sane(h.T_cam_centre)) h.drop(DropReason::kPoseDiverged);
@@ -106,7 +116,8 @@ void run_icp(const PoseContext& context, std::span<Hypothesis> hypotheses) {
 void run_refine(const PoseContext& context, std::span<Hypothesis> hypotheses) {
   for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
     RefineParams params;
-    params.depth_gate_mm = std::max(0.02 * model.info().diameter_mm, 0.002 * h.T_cam_centre.t_mm.z());
+    params.depth_gate_mm =
+        std::max(0.02 * model.info().diameter_mm, 0.002 * h.T_cam_centre.t_mm.z());
     refine(model, context.scene, params, h.T_cam_centre);
     if (!sane(h.T_cam_centre)) h.drop(DropReason::kPoseDiverged);
   });
@@ -115,11 +126,12 @@ void run_refine(const PoseContext& context, std::span<Hypothesis> hypotheses) {
 void run_verify(const PoseContext& context, std::span<Hypothesis> hypotheses) {
   for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
     h.evidence = verify(model, context.scene, h.T_cam_centre);
-    h.rank = h.evidence.score();
+    h.rank = h.evidence.explained_mm2();
   });
 }
 
-int suppress(std::span<const ObjectModel> models, std::span<Hypothesis> hypotheses, int per_place, DetectionReport& report) {
+int suppress(std::span<const ObjectModel> models, std::span<Hypothesis> hypotheses, int per_place,
+             DetectionReport& report) {
   for (const Hypothesis& h : hypotheses) {
     if (!h.alive) count_drop(report, h.drop_reason);
   }

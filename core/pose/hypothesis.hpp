@@ -5,7 +5,7 @@
 #include <span>
 
 #include "binpick/base/worker_pool.hpp"
-#include "binpick/detect/detection.hpp"
+#include "binpick/report/detection.hpp"
 #include "pose/scene.hpp"
 #include "pose/verify.hpp"
 #include "search/candidate.hpp"
@@ -16,7 +16,7 @@ struct Hypothesis {
   Candidate candidate;
   Pose T_cam_centre;
   Evidence evidence;
-  double rank = 0;         // what the list is ordered by
+  double rank = 0;  // what the list is ordered by
   bool alive = true;
   DropReason drop_reason = DropReason::kDuplicate;  // where not alive
 
@@ -26,10 +26,11 @@ struct Hypothesis {
   }
 };
 
-// Poses of leaf candidates; of those that differ by less than the leaves' spacing the best one stays (non-maximum suppression
-// in 6D). Returns how many were written to `out`, best first.
-int make_hypotheses(std::span<const ObjectModel> models, std::span<const Candidate> leaves, const FeaturePyramid& pyramid,
-                    std::span<Hypothesis> out, DetectionReport& report);
+// Poses of leaf candidates; of those that differ by less than the leaves' spacing the best one
+// stays (non-maximum suppression in 6D). Returns how many were written to `out`, best first.
+int make_hypotheses(std::span<const ObjectModel> models, std::span<const Candidate> leaves,
+                    const FeaturePyramid& pyramid, std::span<Hypothesis> out,
+                    DetectionReport& report);
 
 // Each stage works on every living hypothesis on its own.
 struct PoseContext {
@@ -42,8 +43,10 @@ void run_icp(const PoseContext& context, std::span<Hypothesis> hypotheses);
 void run_refine(const PoseContext& context, std::span<Hypothesis> hypotheses);
 void run_verify(const PoseContext& context, std::span<Hypothesis> hypotheses);
 
-// Sorts by evidence, best first, drops those whose pose repeats a better one, keeps at most per_place around each place, and
-// moves the living ones to the front. Returns how many live; counts the drops.
-int suppress(std::span<const ObjectModel> models, std::span<Hypothesis> hypotheses, int per_place, DetectionReport& report);
+// Sorts by evidence, best first, drops those whose pose repeats a better one, keeps at most
+// per_place around each place, and moves the living ones to the front. Returns how many live;
+// counts the drops.
+int suppress(std::span<const ObjectModel> models, std::span<Hypothesis> hypotheses, int per_place,
+             DetectionReport& report);
 
 }  // namespace binpick

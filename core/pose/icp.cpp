@@ -17,10 +17,12 @@ bool align_depth(const ObjectModel& model, const Scene& scene, double range_mm, 
   const int step = std::max<int>(1, static_cast<int>(surface.size()) / kAlignSamplesMax + 1);
   float difference[kAlignSamplesMax];
   int count = 0;
-  for (std::size_t i = 0; i < surface.size() && count < kAlignSamplesMax; i += static_cast<std::size_t>(step)) {
+  for (std::size_t i = 0; i < surface.size() && count < kAlignSamplesMax;
+       i += static_cast<std::size_t>(step)) {
     const Vec3 p = T * position_of(surface[i]);
     const Vec2 uv = scene.depth.camera.project(p);
-    const float z = scene.depth_at(static_cast<int>(std::lround(uv.x())), static_cast<int>(std::lround(uv.y())));
+    const float z = scene.depth_at(static_cast<int>(std::lround(uv.x())),
+                                   static_cast<int>(std::lround(uv.y())));
     const float d = z - static_cast<float>(p.z());
     if (z > 0 && std::fabs(d) <= static_cast<float>(range_mm)) difference[count++] = d;
   }
@@ -41,8 +43,9 @@ bool align_depth(const ObjectModel& model, const Scene& scene, double range_mm, 
   return true;
 }
 
-int add_depth_residuals(const Viewpoint& view, const ObjectModel& model, const Scene& scene, const Pose& T, int sample_step,
-                        double gate_mm, double sigma_mm, NormalEquations& equations) {
+int add_depth_residuals(const Viewpoint& view, const ObjectModel& model, const Scene& scene,
+                        const Pose& T, int sample_step, double gate_mm, double sigma_mm,
+                        NormalEquations& equations) {
   const auto surface = model.surface(view);
   const CameraIntrinsics& camera = scene.depth.camera;
   int pairs = 0;
@@ -66,14 +69,16 @@ int add_depth_residuals(const Viewpoint& view, const ObjectModel& model, const S
 
 IcpResult icp(const ObjectModel& model, const Scene& scene, const IcpParams& params, Pose& T) {
   IcpResult result;
-  const double shrink = params.iterations_max > 1
-                            ? std::pow(params.gate_end_mm / params.gate_start_mm, 1.0 / (params.iterations_max - 1))
-                            : 1.0;
+  const double shrink =
+      params.iterations_max > 1
+          ? std::pow(params.gate_end_mm / params.gate_start_mm, 1.0 / (params.iterations_max - 1))
+          : 1.0;
   double gate_mm = params.gate_start_mm;
   for (int i = 0; i < params.iterations_max; ++i, gate_mm *= shrink) {
     const Viewpoint& view = nearest_viewpoint(model, T);
     NormalEquations equations;
-    result.pairs = add_depth_residuals(view, model, scene, T, params.sample_step, gate_mm, 1.0, equations);
+    result.pairs =
+        add_depth_residuals(view, model, scene, T, params.sample_step, gate_mm, 1.0, equations);
     if (result.pairs < 10) return result;
     result.rms_mm = std::sqrt(equations.cost / equations.count);
     // Directions along which the surface slides are held by a prior worth a few samples.
@@ -81,7 +86,9 @@ IcpResult icp(const ObjectModel& model, const Scene& scene, const IcpParams& par
     const auto step = equations.solve(0.02 * result.pairs * radius * radius, 0.02 * result.pairs);
     const Vec3 turn = step.head<3>(), shift = step.tail<3>();
     T = left_increment(T, turn, shift, T.t_mm);
-    if (turn.norm() * radius < 0.005 && shift.norm() < 0.005 && gate_mm <= params.gate_end_mm * 1.05) break;
+    if (turn.norm() * radius < 0.005 && shift.norm() < 0.005 &&
+        gate_mm <= params.gate_end_mm * 1.05)
+      break;
   }
   T.R = orthonormalized(T.R);
   return result;

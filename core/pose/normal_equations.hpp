@@ -1,5 +1,5 @@
-// Weighted least squares over a pose increment (rotation vector in rad, then translation in mm; left increment about a
-// pivot, see left_increment()).
+// Weighted least squares over a pose increment (rotation vector in rad, then translation in mm;
+// left increment about a pivot, see left_increment()).
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -22,8 +22,8 @@ struct NormalEquations {
     ++count;
   }
 
-  // Minimizer with Levenberg damping: `turn_damping` in 1/rad^2 and `shift_damping` in 1/mm^2 are added to the diagonal, so that
-  // a direction that the data does not hold stays where it is.
+  // Minimizer with Levenberg damping: `turn_damping` in 1/rad^2 and `shift_damping` in 1/mm^2 are
+  // added to the diagonal, so that a direction that the data does not hold stays where it is.
   Eigen::Matrix<double, 6, 1> solve(double turn_damping, double shift_damping) const {
     Eigen::Matrix<double, 6, 6> A = H;
     A.diagonal().head<3>().array() += turn_damping;

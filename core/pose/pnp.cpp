@@ -12,7 +12,8 @@ namespace {
 constexpr int kIterationsMax = 30;
 
 // Residuals and derivatives at a pose; a point behind the camera makes the cost infinite.
-NormalEquations reprojection(std::span<const Correspondence> correspondences, const CameraIntrinsics& camera, const Pose& T) {
+NormalEquations reprojection(std::span<const Correspondence> correspondences,
+                             const CameraIntrinsics& camera, const Pose& T) {
   NormalEquations equations;
   for (const Correspondence& c : correspondences) {
     const Vec3 p = T * c.point_obj;
@@ -36,7 +37,8 @@ NormalEquations reprojection(std::span<const Correspondence> correspondences, co
 
 }  // namespace
 
-PnpResult solve_pnp(std::span<const Correspondence> correspondences, const CameraIntrinsics& camera, Pose& T) {
+PnpResult solve_pnp(std::span<const Correspondence> correspondences, const CameraIntrinsics& camera,
+                    Pose& T) {
   PnpResult result;
   NormalEquations now = reprojection(correspondences, camera, T);
   if (now.count < 6 || !std::isfinite(now.cost)) return result;
@@ -63,8 +65,8 @@ PnpResult solve_pnp(std::span<const Correspondence> correspondences, const Camer
   return result;
 }
 
-int template_correspondences(const ObjectModel& model, const Scene& scene, const Pose& T, int range_px,
-                             std::span<Correspondence> out) {
+int template_correspondences(const ObjectModel& model, const Scene& scene, const Pose& T,
+                             int range_px, std::span<Correspondence> out) {
   const double depth_tolerance_mm = 0.05 * model.info().diameter_mm + 0.005 * T.t_mm.z();
   std::size_t count = 0;
   for (const ContourSample& sample : model.contour(nearest_viewpoint(model, T))) {
@@ -74,7 +76,8 @@ int template_correspondences(const ObjectModel& model, const Scene& scene, const
     const ContourMatch m = match_contour(place, scene, range_px);
     if (!m.found) continue;
     const double k = m.offset_px / range_px;
-    out[count++] = {position_of(sample), place.pixel + m.offset_px * place.normal_px, place.normal_px, 1 / (1 + 4 * k * k)};
+    out[count++] = {position_of(sample), place.pixel + m.offset_px * place.normal_px,
+                    place.normal_px, 1 / (1 + 4 * k * k)};
   }
   return static_cast<int>(count);
 }

@@ -6,15 +6,18 @@ Pose on_ray(const Mat3& R_template, const Vec3& ray, double distance_mm) {
   return {rotation_between(Vec3::UnitZ(), ray) * R_template, ray * distance_mm};
 }
 
-Pose candidate_pose(const ObjectModel& model, int depth, const Candidate& c, const FeaturePyramid& pyramid) {
+Pose candidate_pose(const ObjectModel& model, int depth, const Candidate& c,
+                    const FeaturePyramid& pyramid) {
   const double u = c.x + c.best_pixel % 2, v = c.y + c.best_pixel / 2;
   const Vec3 ray = pyramid.level(c.level).camera.ray(u, v);
-  return on_ray(model.rotation(depth, c.viewpoint, c.roll), ray, model.distance_mm(depth, c.distance));
+  return on_ray(model.rotation(depth, c.viewpoint, c.roll), ray,
+                model.distance_mm(depth, c.distance));
 }
 
 Vec3 centre_offset(const ObjectModel& model) {
   const ModelInfo& i = model.info();
-  return {(i.bounds_min_mm[0] + i.bounds_max_mm[0]) / 2, (i.bounds_min_mm[1] + i.bounds_max_mm[1]) / 2,
+  return {(i.bounds_min_mm[0] + i.bounds_max_mm[0]) / 2,
+          (i.bounds_min_mm[1] + i.bounds_max_mm[1]) / 2,
           (i.bounds_min_mm[2] + i.bounds_max_mm[2]) / 2};
 }
 

@@ -13,11 +13,14 @@ void refine(const ObjectModel& model, const Scene& scene, const RefineParams& pa
   const int last = params.iterations_max - 1;
   for (int i = 0; i <= last; ++i) {
     const Viewpoint& view = nearest_viewpoint(model, T);
-    const int range_px = params.contour_range_start_px -
-                         (params.contour_range_start_px - params.contour_range_end_px) * i / std::max(1, last);
+    const int range_px =
+        params.contour_range_start_px -
+        (params.contour_range_start_px - params.contour_range_end_px) * i / std::max(1, last);
     NormalEquations equations;
-    const int pairs = add_depth_residuals(view, model, scene, T, 1, params.depth_gate_mm, depth_sigma_mm, equations);
-    const int edges = add_contour_residuals(view, model, scene, T, range_px, params.contour_sigma_px, depth_tolerance_mm, equations);
+    const int pairs = add_depth_residuals(view, model, scene, T, 1, params.depth_gate_mm,
+                                          depth_sigma_mm, equations);
+    const int edges = add_contour_residuals(view, model, scene, T, range_px,
+                                            params.contour_sigma_px, depth_tolerance_mm, equations);
     if (pairs + edges < 12) return;
     const auto step = equations.solve(2 * radius * radius, 2);
     const Vec3 turn = step.head<3>(), shift = step.tail<3>();

@@ -1,5 +1,5 @@
-// Last refinement: depth and contour together, each in units of its own noise, so that contours hold the
-// directions along which a flat or round surface slides.
+// Last refinement: depth and contour together, each in units of its own noise, so that contours
+// hold the directions along which a flat or round surface slides.
 #pragma once
 
 #include "pose/contour.hpp"
@@ -15,6 +15,7 @@ struct RefineParams {
   double contour_sigma_px = 1.0;
 };
 
-void refine(const ObjectModel& model, const Scene& scene, const RefineParams& params, Pose& T_cam_centre);
+void refine(const ObjectModel& model, const Scene& scene, const RefineParams& params,
+            Pose& T_cam_centre);
 
 }  // namespace binpick

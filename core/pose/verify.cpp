@@ -26,16 +26,19 @@ Tolerances tolerances(const ObjectModel& model, const Scene& scene, const Pose& 
   return {fit, 3 * fit + 2 * noise};
 }
 
-// Cosine between a model normal (camera axes) and the measured one at a pixel; 1 where none was measured.
+// Cosine between a model normal (camera axes) and the measured one at a pixel; 1 where none was
+// measured.
 double normal_agreement(const Scene& scene, int u, int v, const Vec3& p, const Vec3& n_cam) {
   const std::ptrdiff_t i = v * scene.depth.stride + u;
   if (!scene.depth.normal_valid[i]) return 1;
-  const double x = static_cast<double>(scene.depth.normal_x[i]), y = static_cast<double>(scene.depth.normal_y[i]);
+  const double x = static_cast<double>(scene.depth.normal_x[i]),
+               y = static_cast<double>(scene.depth.normal_y[i]);
   const Vec3 n_ray(x, y, -std::sqrt(std::max(0.0, 1 - x * x - y * y)));
   return n_cam.dot(rotation_between(Vec3::UnitZ(), p.normalized()) * n_ray);
 }
 
-void add_surface(const ObjectModel& model, const Scene& scene, const Pose& T, const Viewpoint& view, Evidence& e) {
+void add_surface(const ObjectModel& model, const Scene& scene, const Pose& T, const Viewpoint& view,
+                 Evidence& e) {
   const Tolerances tolerance = tolerances(model, scene, T);
   float residuals[512];
   int residual_count = 0;
@@ -79,7 +82,8 @@ bool on_depth_edge(const PyramidLevel& level, const Vec2& uv, const Vec2& normal
   return (level.plain.gradient[v * level.plain.stride + u] & near) != 0;
 }
 
-void add_contours(const ObjectModel& model, const Scene& scene, const Pose& T, const Viewpoint& view, Evidence& e) {
+void add_contours(const ObjectModel& model, const Scene& scene, const Pose& T,
+                  const Viewpoint& view, Evidence& e) {
   const double tolerance_mm = 2 * tolerances(model, scene, T).conflict_mm;
   for (const ContourSample& s : model.contour(view)) {
     if (s.is_silhouette < 0.5f) continue;
@@ -91,7 +95,8 @@ void add_contours(const ObjectModel& model, const Scene& scene, const Pose& T, c
       continue;
     }
     const ContourMatch m = match_contour(place, scene, kContourRangePx);
-    if (m.found) e.contours_supported += 0.6 + 0.4 * (1 - std::abs(m.offset_px) / (kContourRangePx + 1));
+    if (m.found)
+      e.contours_supported += 0.6 + 0.4 * (1 - std::abs(m.offset_px) / (kContourRangePx + 1));
   }
 }
 
@@ -102,9 +107,15 @@ double Evidence::score() const {
   return depth_support() * contour_support() * contour_support() * seen;
 }
 
+double Evidence::explained_mm2() const {
+  const double fit = score();
+  return supported * sample_area_mm2 * fit * fit * fit;
+}
+
 Evidence verify(const ObjectModel& model, const Scene& scene, const Pose& T) {
   Evidence e;
   const Viewpoint& view = nearest_viewpoint(model, T);
+  e.sample_area_mm2 = static_cast<double>(view.sample_area_mm2);
   add_surface(model, scene, T, view, e);
   add_contours(model, scene, T, view, e);
   return e;

@@ -9,16 +9,20 @@ namespace binpick {
 const Viewpoint& nearest_viewpoint(const ObjectModel& model, const Pose& T_cam_centre);
 
 inline Vec3 position_of(const SurfaceSample& s) {
-  return {static_cast<double>(s.position_mm[0]), static_cast<double>(s.position_mm[1]), static_cast<double>(s.position_mm[2])};
+  return {static_cast<double>(s.position_mm[0]), static_cast<double>(s.position_mm[1]),
+          static_cast<double>(s.position_mm[2])};
 }
 inline Vec3 normal_of(const SurfaceSample& s) {
-  return {static_cast<double>(s.normal[0]), static_cast<double>(s.normal[1]), static_cast<double>(s.normal[2])};
+  return {static_cast<double>(s.normal[0]), static_cast<double>(s.normal[1]),
+          static_cast<double>(s.normal[2])};
 }
 inline Vec3 position_of(const ContourSample& s) {
-  return {static_cast<double>(s.position_mm[0]), static_cast<double>(s.position_mm[1]), static_cast<double>(s.position_mm[2])};
+  return {static_cast<double>(s.position_mm[0]), static_cast<double>(s.position_mm[1]),
+          static_cast<double>(s.position_mm[2])};
 }
 inline Vec3 tangent_of(const ContourSample& s) {
-  return {static_cast<double>(s.tangent[0]), static_cast<double>(s.tangent[1]), static_cast<double>(s.tangent[2])};
+  return {static_cast<double>(s.tangent[0]), static_cast<double>(s.tangent[1]),
+          static_cast<double>(s.tangent[2])};
 }
 
 }  // namespace binpick

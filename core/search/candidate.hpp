@@ -9,11 +9,12 @@ namespace binpick {
 inline constexpr int kScoreOne = 8192;
 
 struct Candidate {
-  std::int16_t x = 0, y = 0;  // first pixel of a 2x2 quad, both even, at the pyramid level of the candidate's tree depth
+  std::int16_t x = 0, y = 0;  // first pixel of a 2x2 quad, both even, at the pyramid level of the
+                              // candidate's tree depth
   std::int16_t viewpoint = 0, roll = 0, distance = 0;  // node of the tree, at that depth
-  std::uint16_t score = 0;    // best of the quad
+  std::uint16_t score = 0;                             // best of the quad
   std::uint8_t model = 0;
-  std::uint8_t level = 0;     // pyramid level
+  std::uint8_t level = 0;       // pyramid level
   std::uint8_t best_pixel = 0;  // which of the quad, row by row
 
   // A total order, so that results never depend on how the work was split: better score first.
@@ -29,15 +30,19 @@ struct Candidate {
   }
 };
 
-// score = gradient_sum / gradient_weight_sum + normal_sum / normal_weight_sum (paper eq. 2, both modalities added) in
-// fixed-point; a modality without features gives 0.
+// score = gradient_sum / gradient_weight_sum + normal_sum / normal_weight_sum (paper eq. 2, both
+// modalities added) in fixed-point; a modality without features gives 0.
 struct ScoreScale {
   std::uint32_t gradient = 0, normal = 0;
 
   ScoreScale() = default;
   ScoreScale(int gradient_weight_sum, int normal_weight_sum) {
-    if (gradient_weight_sum > 0) gradient = (static_cast<std::uint32_t>(kScoreOne) << 16) / static_cast<std::uint32_t>(gradient_weight_sum);
-    if (normal_weight_sum > 0) normal = (static_cast<std::uint32_t>(kScoreOne) << 16) / static_cast<std::uint32_t>(normal_weight_sum);
+    if (gradient_weight_sum > 0)
+      gradient = (static_cast<std::uint32_t>(kScoreOne) << 16) /
+                 static_cast<std::uint32_t>(gradient_weight_sum);
+    if (normal_weight_sum > 0)
+      normal = (static_cast<std::uint32_t>(kScoreOne) << 16) /
+               static_cast<std::uint32_t>(normal_weight_sum);
   }
   std::uint16_t score(std::uint16_t gradient_sum, std::uint16_t normal_sum) const {
     return static_cast<std::uint16_t>((gradient_sum * gradient + normal_sum * normal) >> 16);

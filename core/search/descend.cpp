@@ -20,26 +20,32 @@ struct BestChildren {
   }
 };
 
-int match_children(const DescendContext& context, int depth, const Candidate& parent, Candidate* out) {
+int match_children(const DescendContext& context, int depth, const Candidate& parent,
+                   Candidate* out) {
   const ObjectModel& model = context.models[parent.model];
   const TreeDepth& below = model.depth(depth);
-  const Viewpoint& view = model.depth(depth - 1).viewpoints[static_cast<std::size_t>(parent.viewpoint)];
+  const Viewpoint& view =
+      model.depth(depth - 1).viewpoints[static_cast<std::size_t>(parent.viewpoint)];
   const ScalePlan& plan = context.plans[parent.model];
   const PyramidLevel& level = context.pyramid.level(parent.level - 1);
   BestChildren best{out};
   int matched = 0;
-  for (int k = 2 * parent.distance; k < std::min(2 * parent.distance + 2, below.distance_count); ++k) {
+  for (int k = 2 * parent.distance; k < std::min(2 * parent.distance + 2, below.distance_count);
+       ++k) {
     const int scale_q8 = plan.scale_q8[depth][k];
     for (int v = view.child_first; v < view.child_first + view.child_count; ++v) {
       for (int r = 2 * parent.roll; r < 2 * parent.roll + 2; ++r) {
-        const TemplateRange& t = below.templates[static_cast<std::size_t>(v * below.roll_count + r)];
+        const TemplateRange& t =
+            below.templates[static_cast<std::size_t>(v * below.roll_count + r)];
         const std::span<const Feature> features = model.features(t);
         simd::BlockSums sums;
         const int x = 2 * parent.x, y = 2 * parent.y;
         if (context.layout == MapLayout::kRearranged) {
-          context.kernels.match_block_rearranged(level.rearranged, x, y, features.data(), t.count, scale_q8, sums);
+          context.kernels.match_block_rearranged(level.rearranged, x, y, features.data(), t.count,
+                                                 scale_q8, sums);
         } else {
-          context.kernels.match_block_plain(level.plain, x, y, features.data(), t.count, scale_q8, sums);
+          context.kernels.match_block_plain(level.plain, x, y, features.data(), t.count, scale_q8,
+                                            sums);
         }
         ++matched;
         const ScoreScale scale(t.gradient_weight_sum, t.normal_weight_sum);
@@ -86,11 +92,12 @@ std::int64_t descend(const DescendContext& context, int depth, std::span<const C
   return matched;
 }
 
-int select_candidates(std::span<Candidate> candidates, int limit, int per_place, int place_px, const Roi& region,
-                      std::span<std::uint16_t> places, int& dropped) {
+int select_candidates(std::span<Candidate> candidates, int limit, int per_place, int place_px,
+                      const Roi& region, std::span<std::uint16_t> places, int& dropped) {
   std::sort(candidates.begin(), candidates.end());
   const int columns = region.width / place_px + 1, rows = region.height / place_px + 1;
-  BINPICK_ASSERT(places.size() >= static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  BINPICK_ASSERT(places.size() >=
+                 static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   std::fill_n(places.begin(), columns * rows, std::uint16_t{0});
   int kept = 0;
   for (const Candidate& c : candidates) {

@@ -1,12 +1,12 @@
-// Coarse-to-fine: the children of each candidate are matched at the 4x4 pixels under its 2x2 quad, one level down
-// (paper section III-C).
+// Coarse-to-fine: the children of each candidate are matched at the 4x4 pixels under its 2x2 quad,
+// one level down (paper section III-C).
 #pragma once
 
 #include <cstdint>
 #include <span>
 
 #include "binpick/base/worker_pool.hpp"
-#include "binpick/detect/detector.hpp"
+#include "binpick/search/map_layout.hpp"
 #include "features/pyramid.hpp"
 #include "search/candidate.hpp"
 #include "search/scale_plan.hpp"
@@ -25,16 +25,17 @@ struct DescendContext {
   int threshold;
 };
 
-// Matches the children of `parents` (nodes of depth `depth` - 1) at depth `depth`. children has room for kChildrenKept
-// per parent; entry i * kChildrenKept + k is the k-th best child of parent i; unused ones have score 0. Returns
-// the number of templates matched.
+// Matches the children of `parents` (nodes of depth `depth` - 1) at depth `depth`. children has
+// room for kChildrenKept per parent; entry i * kChildrenKept + k is the k-th best child of parent
+// i; unused ones have score 0. Returns the number of templates matched.
 std::int64_t descend(const DescendContext& context, int depth, std::span<const Candidate> parents,
                      std::span<Candidate> children, WorkerPool& pool);
 
-// Sorts candidates best first and keeps at most `limit` of them, and at most `per_place` in each square of
-// `place_px` pixels (of level 0) per model, so that a few well-visible parts do not take the room of the others. `places` is
-// scratch, one counter per square. Unused entries (score 0) go. Returns the number kept.
-int select_candidates(std::span<Candidate> candidates, int limit, int per_place, int place_px, const Roi& region,
-                      std::span<std::uint16_t> places, int& dropped);
+// Sorts candidates best first and keeps at most `limit` of them, and at most `per_place` in each
+// square of `place_px` pixels (of level 0) per model, so that a few well-visible parts do not take
+// the room of the others. `places` is scratch, one counter per square. Unused entries (score 0) go.
+// Returns the number kept.
+int select_candidates(std::span<Candidate> candidates, int limit, int per_place, int place_px,
+                      const Roi& region, std::span<std::uint16_t> places, int& dropped);
 
 }  // namespace binpick

@@ -1,6 +1,6 @@
-// At which pyramid level, and how much enlarged, the templates of a model apply to a frame. A template is stored as seen by the
-// model's camera from the reference distance; another distance or focal length is a change of
-// scale, and a factor of two is a change of level.
+// At which pyramid level, and how much enlarged, the templates of a model apply to a frame. A
+// template is stored as seen by the model's camera from the reference distance; another distance or
+// focal length is a change of scale, and a factor of two is a change of level.
 #pragma once
 
 #include "binpick/frame/frame.hpp"
@@ -8,16 +8,16 @@
 
 namespace binpick {
 
-inline constexpr int kDistancesMax = 64;  // per tree depth
-
 struct ScalePlan {
   // [depth][distance]
-  std::int8_t level[kModelDepthsMax][kDistancesMax];
-  std::int16_t scale_q8[kModelDepthsMax][kDistancesMax];
+  std::int8_t level[kModelDepthsMax][kModelDistancesMax];
+  std::int16_t scale_q8[kModelDepthsMax][kModelDistancesMax];
 };
 
-// Fails with kModelCameraMismatch where no level brings the part's image to within a factor of two of its templates.
-Result<ScalePlan> make_scale_plan(const ObjectModel& model, const CameraIntrinsics& camera, int level_count);
+// Fails with kModelCameraMismatch where no level brings the part's image to within a factor of two
+// of its templates.
+Result<ScalePlan> make_scale_plan(const ObjectModel& model, const CameraIntrinsics& camera,
+                                  int level_count);
 
 // Scale (template px to level px) and level for a model at one distance.
 double template_scale(const ObjectModel& model, const CameraIntrinsics& camera, double distance_mm);

@@ -14,10 +14,13 @@ constexpr int kReadAhead = 64;  // elements that the kernels may write beyond a 
 template <class Source>
 void Scanner::take(const ScanLimits& limits, Source& source) {
   row_stride_ = (limits.width_max + kReadAhead + 63) / 64 * 64;
-  const auto rows = static_cast<std::size_t>(row_stride_) * 2 * static_cast<std::size_t>(limits.thread_count);
-  const auto cells = static_cast<std::size_t>((limits.width_max / 2 + 1) * (limits.height_max / 2 + 1));
+  const auto rows =
+      static_cast<std::size_t>(row_stride_) * 2 * static_cast<std::size_t>(limits.thread_count);
+  const auto cells =
+      static_cast<std::size_t>((limits.width_max / 2 + 1) * (limits.height_max / 2 + 1));
   templates_ = source.template take<Template>(static_cast<std::size_t>(limits.templates_max));
-  features_ = source.template take<simd::ScanFeature>(static_cast<std::size_t>(limits.features_max));
+  features_ =
+      source.template take<simd::ScanFeature>(static_cast<std::size_t>(limits.features_max));
   cells_ = source.template take<CellEntry>(cells * kTemplatesPerCell);
   sums_ = source.template take<std::uint16_t>(rows);
   scores_ = source.template take<std::uint16_t>(rows);
@@ -35,7 +38,8 @@ Scanner::Scanner(const ScanLimits& limits, Arena& arena) {
   if (limits.templates_max > 0) take(limits, arena);
 }
 
-void Scanner::load_templates(const ObjectModel& model, int distance_index, const ScalePlan& plan, std::ptrdiff_t stride) {
+void Scanner::load_templates(const ObjectModel& model, int distance_index, const ScalePlan& plan,
+                             std::ptrdiff_t stride) {
   const int d = model.info().scan_depth;
   const TreeDepth& depth = model.depth(d);
   const int scale = plan.scale_q8[d][distance_index];
@@ -45,11 +49,13 @@ void Scanner::load_templates(const ObjectModel& model, int distance_index, const
     const TemplateRange& range = depth.templates[static_cast<std::size_t>(t)];
     Template& to = templates_[static_cast<std::size_t>(t)];
     to = {used, range.count, ScoreScale(range.gradient_weight_sum, range.normal_weight_sum),
-          static_cast<std::int16_t>(t / depth.roll_count), static_cast<std::int16_t>(t % depth.roll_count)};
+          static_cast<std::int16_t>(t / depth.roll_count),
+          static_cast<std::int16_t>(t % depth.roll_count)};
     for (const Feature& f : model.features(range)) {
       const std::ptrdiff_t x = (f.x * scale + 128) >> 8, y = (f.y * scale + 128) >> 8;
-      features_[static_cast<std::size_t>(used++)] = {static_cast<std::int32_t>(y * stride + x), f.gradient_bits,
-                                                     f.gradient_weight, f.normal_bits, f.normal_weight};
+      features_[static_cast<std::size_t>(used++)] = {static_cast<std::int32_t>(y * stride + x),
+                                                     f.gradient_bits, f.gradient_weight,
+                                                     f.normal_bits, f.normal_weight};
     }
   }
 }
@@ -64,23 +70,28 @@ void Scanner::insert(CellEntry* cell, CellEntry entry) const {
   cell[at] = entry;
 }
 
-void Scanner::scan_cell_row(int cell_y, const PyramidLevel& level, const simd::KernelTable& kernels, int threshold, int thread) {
+void Scanner::scan_cell_row(int cell_y, const PyramidLevel& level, const simd::KernelTable& kernels,
+                            int threshold, int thread) {
   std::uint16_t* gradient = sums_.data() + static_cast<std::ptrdiff_t>(thread) * 2 * row_stride_;
   std::uint16_t* normal = gradient + row_stride_;
   std::uint16_t* scores = scores_.data() + static_cast<std::ptrdiff_t>(thread) * 2 * row_stride_;
-  CellEntry* row = cells_.data() + static_cast<std::ptrdiff_t>(cell_y) * columns_ * kTemplatesPerCell;
-  std::fill_n(row, columns_ * kTemplatesPerCell, CellEntry{static_cast<std::uint16_t>(threshold - 1), 0, 0});
+  CellEntry* row =
+      cells_.data() + static_cast<std::ptrdiff_t>(cell_y) * columns_ * kTemplatesPerCell;
+  std::fill_n(row, columns_ * kTemplatesPerCell,
+              CellEntry{static_cast<std::uint16_t>(threshold - 1), 0, 0});
   for (int t = 0; t < template_count_; ++t) {
     const Template& tpl = templates_[static_cast<std::size_t>(t)];
     for (int j = 0; j < 2; ++j) {
-      kernels.scan_row(level.plain, (2 * cell_y + j) * level.plain.stride, level.width, &features_[static_cast<std::size_t>(tpl.first)],
-                       tpl.count, gradient, normal);
+      kernels.scan_row(level.plain, (2 * cell_y + j) * level.plain.stride, level.width,
+                       &features_[static_cast<std::size_t>(tpl.first)], tpl.count, gradient,
+                       normal);
       std::uint16_t* out = scores + j * row_stride_;
       const ScoreScale scale = tpl.scale;
       for (int x = 0; x < level.width; ++x) out[x] = scale.score(gradient[x], normal[x]);
     }
     for (int c = 0; c < columns_; ++c) {
-      const std::uint16_t quad[4] = {scores[2 * c], scores[2 * c + 1], scores[row_stride_ + 2 * c], scores[row_stride_ + 2 * c + 1]};
+      const std::uint16_t quad[4] = {scores[2 * c], scores[2 * c + 1], scores[row_stride_ + 2 * c],
+                                     scores[row_stride_ + 2 * c + 1]};
       const int best = static_cast<int>(std::max_element(quad, quad + 4) - quad);
       CellEntry* cell = row + c * kTemplatesPerCell;
       if (quad[best] > cell[kTemplatesPerCell - 1].score) {
@@ -90,15 +101,17 @@ void Scanner::scan_cell_row(int cell_y, const PyramidLevel& level, const simd::K
   }
 }
 
-int Scanner::scan(const ObjectModel& model, int model_index, int distance_index, const ScalePlan& plan,
-                  const FeaturePyramid& pyramid, const simd::KernelTable& kernels, int threshold, WorkerPool& pool,
+int Scanner::scan(const ObjectModel& model, int model_index, int distance_index,
+                  const ScalePlan& plan, const FeaturePyramid& pyramid,
+                  const simd::KernelTable& kernels, int threshold, WorkerPool& pool,
                   std::span<Candidate> out, int& lost) {
   const int l = plan.level[model.info().scan_depth][distance_index];
   const PyramidLevel& level = pyramid.level(l);
   load_templates(model, distance_index, plan, level.plain.stride);
   columns_ = level.width / 2;
   const int rows = level.height / 2;
-  pool.parallel_for(rows, [&](int y, int thread) { scan_cell_row(y, level, kernels, threshold, thread); });
+  pool.parallel_for(
+      rows, [&](int y, int thread) { scan_cell_row(y, level, kernels, threshold, thread); });
   std::size_t count = 0;
   for (int i = 0; i < rows * columns_; ++i) {
     for (int k = 0; k < kTemplatesPerCell; ++k) {

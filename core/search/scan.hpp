@@ -1,5 +1,5 @@
-// Exhaustive scan of the templates of one tree depth over one pyramid level (paper section III-D). Keeps the best
-// templates of each cell of 2x2 pixels.
+// Exhaustive scan of the templates of one tree depth over one pyramid level (paper section III-D).
+// Keeps the best templates of each cell of 2x2 pixels.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@ namespace binpick {
 inline constexpr int kTemplatesPerCell = 12;
 
 struct ScanLimits {
-  int templates_max = 0;      // of one model and distance at its scan depth
-  int features_max = 0;       // of all of those together
+  int templates_max = 0;              // of one model and distance at its scan depth
+  int features_max = 0;               // of all of those together
   int width_max = 0, height_max = 0;  // px, of the largest scanned level
   int thread_count = 1;
 };
@@ -27,11 +27,12 @@ class Scanner {
   static std::size_t footprint(const ScanLimits& limits);
   Scanner(const ScanLimits& limits, Arena& arena);
 
-  // Scans one model at one distance of its scan depth. Writes the candidates with score >= threshold to `out`, cell by
-  // cell, and returns how many; those that find no room are counted in `lost`.
+  // Scans one model at one distance of its scan depth. Writes the candidates with score >=
+  // threshold to `out`, cell by cell, and returns how many; those that find no room are counted in
+  // `lost`.
   int scan(const ObjectModel& model, int model_index, int distance_index, const ScalePlan& plan,
-           const FeaturePyramid& pyramid, const simd::KernelTable& kernels, int threshold, WorkerPool& pool,
-           std::span<Candidate> out, int& lost);
+           const FeaturePyramid& pyramid, const simd::KernelTable& kernels, int threshold,
+           WorkerPool& pool, std::span<Candidate> out, int& lost);
 
  private:
   struct Template {
@@ -47,8 +48,10 @@ class Scanner {
 
   template <class Source>
   void take(const ScanLimits& limits, Source& source);
-  void load_templates(const ObjectModel& model, int distance_index, const ScalePlan& plan, std::ptrdiff_t stride);
-  void scan_cell_row(int cell_y, const PyramidLevel& level, const simd::KernelTable& kernels, int threshold, int thread);
+  void load_templates(const ObjectModel& model, int distance_index, const ScalePlan& plan,
+                      std::ptrdiff_t stride);
+  void scan_cell_row(int cell_y, const PyramidLevel& level, const simd::KernelTable& kernels,
+                     int threshold, int thread);
   void insert(CellEntry* cell, CellEntry entry) const;
 
   int row_stride_ = 0;

@@ -25,11 +25,13 @@ double milliseconds_since(ClockFn clock, std::int64_t start_ns) {
 
 template <class Source>
 void TreeSearch::take(const SearchLimits& limits, const SearchParams& params, Source& source) {
-  const std::size_t parents_max = static_cast<std::size_t>(*std::max_element(params.candidates_max, params.candidates_max + 4));
+  const std::size_t parents_max =
+      static_cast<std::size_t>(*std::max_element(params.candidates_max, params.candidates_max + 4));
   candidates_ = source.template take<Candidate>(kScanOutputMax);
   children_ = source.template take<Candidate>(parents_max * kChildrenKept);
-  places_ = source.template take<std::uint16_t>(static_cast<std::size_t>(limits.region_width_max / kPlacePxMin + 1) *
-                                                static_cast<std::size_t>(limits.region_height_max / kPlacePxMin + 1));
+  places_ = source.template take<std::uint16_t>(
+      static_cast<std::size_t>(limits.region_width_max / kPlacePxMin + 1) *
+      static_cast<std::size_t>(limits.region_height_max / kPlacePxMin + 1));
 }
 
 std::size_t TreeSearch::footprint(const SearchLimits& limits, const SearchParams& params) {
@@ -45,7 +47,8 @@ TreeSearch::TreeSearch(const SearchLimits& limits, const SearchParams& params, A
   if (limits.region_width_max > 0) take(limits, params, arena);
 }
 
-std::span<const Candidate> TreeSearch::run(const SearchContext& context, int model_index, DetectionReport& report) {
+std::span<const Candidate> TreeSearch::run(const SearchContext& context, int model_index,
+                                           DetectionReport& report) {
   const ObjectModel& model = context.models[static_cast<std::size_t>(model_index)];
   const ScalePlan& plan = context.plans[static_cast<std::size_t>(model_index)];
   const int scan_depth = model.info().scan_depth;
@@ -56,14 +59,17 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
   const std::int64_t scan_start = context.clock ? context.clock() : 0;
   int count = 0;
   for (int k = 0; k < model.depth(scan_depth).distance_count; ++k) {
-    count += scanner_.scan(model, model_index, k, plan, context.pyramid, context.kernels, threshold, context.pool,
-                           candidates_.subspan(static_cast<std::size_t>(count)), below_limit);
+    count += scanner_.scan(model, model_index, k, plan, context.pyramid, context.kernels, threshold,
+                           context.pool, candidates_.subspan(static_cast<std::size_t>(count)),
+                           below_limit);
     const PyramidLevel& level = context.pyramid.level(plan.level[scan_depth][k]);
     report.templates_evaluated[static_cast<std::size_t>(scan_depth)] +=
-        static_cast<std::int64_t>(model.depth(scan_depth).templates.size()) * level.width * level.height / 16;
+        static_cast<std::int64_t>(model.depth(scan_depth).templates.size()) * level.width *
+        level.height / 16;
   }
-  count = select_candidates(candidates_.first(static_cast<std::size_t>(count)), params_.candidates_max[0], params_.per_place_max[0],
-                            place, context.pyramid.region(), places_, below_limit);
+  count = select_candidates(candidates_.first(static_cast<std::size_t>(count)),
+                            params_.candidates_max[0], params_.per_place_max[0], place,
+                            context.pyramid.region(), places_, below_limit);
   report.candidates[static_cast<std::size_t>(scan_depth)] += count;
   const double scan_ms = milliseconds_since(context.clock, scan_start);
   report.level_ms[static_cast<std::size_t>(scan_depth)] += scan_ms;
@@ -71,13 +77,18 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
 
   for (int d = scan_depth + 1; d < model.depth_count(); ++d) {
     const std::int64_t start = context.clock ? context.clock() : 0;
-    const DescendContext descend_context{context.models, context.plans, context.pyramid, context.kernels, context.layout, threshold};
-    const std::span<Candidate> children = children_.first(static_cast<std::size_t>(count) * kChildrenKept);
+    const DescendContext descend_context{context.models,  context.plans,  context.pyramid,
+                                         context.kernels, context.layout, threshold};
+    const std::span<Candidate> children =
+        children_.first(static_cast<std::size_t>(count) * kChildrenKept);
     report.templates_evaluated[static_cast<std::size_t>(d)] +=
-        descend(descend_context, d, candidates_.first(static_cast<std::size_t>(count)), children, context.pool);
+        descend(descend_context, d, candidates_.first(static_cast<std::size_t>(count)), children,
+                context.pool);
     std::copy(children.begin(), children.end(), candidates_.begin());
-    count = select_candidates(candidates_.first(children.size()), params_.candidates_max[d - scan_depth],
-                              params_.per_place_max[d - scan_depth], place, context.pyramid.region(), places_, below_limit);
+    count = select_candidates(candidates_.first(children.size()),
+                              params_.candidates_max[d - scan_depth],
+                              params_.per_place_max[d - scan_depth], place,
+                              context.pyramid.region(), places_, below_limit);
     report.candidates[static_cast<std::size_t>(d)] += count;
     const double ms = milliseconds_since(context.clock, start);
     report.level_ms[static_cast<std::size_t>(d)] += ms;

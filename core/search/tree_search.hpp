@@ -4,16 +4,18 @@
 #include <span>
 
 #include "binpick/base/arena.hpp"
-#include "binpick/detect/detection.hpp"
+#include "binpick/base/clock.hpp"
+#include "binpick/report/detection.hpp"
 #include "search/descend.hpp"
 #include "search/scan.hpp"
 
 namespace binpick {
 
-// How many candidates survive at each depth, counted from the scan depth. A place is a square with a fifth of the part's
-// image diameter as its side: the limit per place leaves room for poorly visible parts.
+// How many candidates survive at each depth, counted from the scan depth. A place is a square with
+// a fifth of the part's image diameter as its side: the limit per place leaves room for poorly
+// visible parts.
 struct SearchParams {
-  double score_min = 0.9;                  // of both modalities together, 0..2, at every depth
+  double score_min = 0.9;  // of both modalities together, 0..2, at every depth
   int candidates_max[4] = {8000, 5000, 3000, 3000};
   int per_place_max[4] = {24, 12, 8, 8};
 };
@@ -38,8 +40,10 @@ class TreeSearch {
   static std::size_t footprint(const SearchLimits& limits, const SearchParams& params);
   TreeSearch(const SearchLimits& limits, const SearchParams& params, Arena& arena);
 
-  // Leaf candidates of one model, best first; valid until the next call. Adds its counts and times to the report.
-  std::span<const Candidate> run(const SearchContext& context, int model_index, DetectionReport& report);
+  // Leaf candidates of one model, best first; valid until the next call. Adds its counts and times
+  // to the report.
+  std::span<const Candidate> run(const SearchContext& context, int model_index,
+                                 DetectionReport& report);
 
  private:
   template <class Source>

@@ -29,7 +29,9 @@ const IsaEntry& entry(Isa isa) {
   BINPICK_ASSERT(false);
 }
 
-std::int64_t usable(Isa isa) { return entry(isa).targets & hwy::SupportedTargets() & HWY_TARGETS; }
+std::int64_t usable(Isa isa) {
+  return entry(isa).targets & hwy::SupportedTargets() & HWY_TARGETS;
+}
 
 }  // namespace
 
@@ -43,9 +45,13 @@ bool isa_from_name(std::string_view name, Isa& isa) {
   return false;
 }
 
-const char* isa_name(Isa isa) { return entry(isa).name; }
+const char* isa_name(Isa isa) {
+  return entry(isa).name;
+}
 
-bool isa_supported(Isa isa) { return isa == Isa::kBest || isa == Isa::kScalar || usable(isa) != 0; }
+bool isa_supported(Isa isa) {
+  return isa == Isa::kBest || isa == Isa::kScalar || usable(isa) != 0;
+}
 
 namespace simd {
 
@@ -57,7 +63,8 @@ KernelTable make_kernel_table(Isa isa) {
     }
   }
   if (isa == Isa::kBest || isa == Isa::kScalar) {
-    return {scan_row_scalar, match_block_rearranged_scalar, match_block_plain_scalar, gradient_row_scalar, "scalar"};
+    return {scan_row_scalar, match_block_rearranged_scalar, match_block_plain_scalar,
+            gradient_row_scalar, "scalar"};
   }
   hwy::ChosenTarget chosen;
   chosen.Update(usable(isa) & -usable(isa));  // the lowest bit is the widest unit

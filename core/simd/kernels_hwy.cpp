@@ -1,5 +1,5 @@
-// The vector kernels: this file is compiled once per vector unit by foreach_target; what each function does is said in
-// kernels.hpp, and by the scalar code that it must agree with bit for bit.
+// The vector kernels: this file is compiled once per vector unit by foreach_target; what each
+// function does is said in kernels.hpp, and by the scalar code that it must agree with bit for bit.
 #include "simd/kernels.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -13,18 +13,21 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR  // the build's baseline may be this; the specification serves
 
-void ScanRow(const PlainMaps& maps, std::ptrdiff_t row_offset, int width, const ScanFeature* features, int count,
-             std::uint16_t* gradient_sums, std::uint16_t* normal_sums) {
+void ScanRow(const PlainMaps& maps, std::ptrdiff_t row_offset, int width,
+             const ScanFeature* features, int count, std::uint16_t* gradient_sums,
+             std::uint16_t* normal_sums) {
   scan_row_scalar(maps, row_offset, width, features, count, gradient_sums, normal_sums);
 }
-void MatchBlockRearranged(const RearrangedMap& map, int x, int y, const Feature* features, int count, int scale_q8,
-                          BlockSums& out) {
+void MatchBlockRearranged(const RearrangedMap& map, int x, int y, const Feature* features,
+                          int count, int scale_q8, BlockSums& out) {
   match_block_rearranged_scalar(map, x, y, features, count, scale_q8, out);
 }
-void MatchBlockPlain(const PlainMaps& maps, int x, int y, const Feature* features, int count, int scale_q8, BlockSums& out) {
+void MatchBlockPlain(const PlainMaps& maps, int x, int y, const Feature* features, int count,
+                     int scale_q8, BlockSums& out) {
   match_block_plain_scalar(maps, x, y, features, count, scale_q8, out);
 }
-void GradientRow(const std::uint8_t* row, std::ptrdiff_t stride, int width, std::int32_t threshold_squared, std::uint8_t* bits) {
+void GradientRow(const std::uint8_t* row, std::ptrdiff_t stride, int width,
+                 std::int32_t threshold_squared, std::uint8_t* bits) {
   gradient_row_scalar(row, stride, width, threshold_squared, bits);
 }
 
@@ -33,8 +36,9 @@ void GradientRow(const std::uint8_t* row, std::ptrdiff_t stride, int width, std:
 // Byte sums of weights up to 31 stay below 256 for this many features; then they are widened.
 constexpr int kFeaturesPerByteSum = 8;
 
-void ScanRow(const PlainMaps& maps, std::ptrdiff_t row_offset, int width, const ScanFeature* features, int count,
-             std::uint16_t* gradient_sums, std::uint16_t* normal_sums) {
+void ScanRow(const PlainMaps& maps, std::ptrdiff_t row_offset, int width,
+             const ScanFeature* features, int count, std::uint16_t* gradient_sums,
+             std::uint16_t* normal_sums) {
   const hn::CappedTag<std::uint8_t, 64> d8;
   const hn::Repartition<std::uint16_t, decltype(d8)> d16;
   const hn::Half<decltype(d8)> half8;
@@ -52,13 +56,18 @@ void ScanRow(const PlainMaps& maps, std::ptrdiff_t row_offset, int width, const 
         const ScanFeature& f = features[i];
         const auto g = hn::LoadU(d8, gradient_at + f.offset);
         const auto n = hn::LoadU(d8, normal_at + f.offset);
-        const auto g_miss = hn::VecFromMask(d8, hn::Eq(hn::And(g, hn::Set(d8, f.gradient_bits)), hn::Zero(d8)));
-        const auto n_miss = hn::VecFromMask(d8, hn::Eq(hn::And(n, hn::Set(d8, f.normal_bits)), hn::Zero(d8)));
-        gradient_bytes = hn::Add(gradient_bytes, hn::AndNot(g_miss, hn::Set(d8, f.gradient_weight)));
+        const auto g_miss =
+            hn::VecFromMask(d8, hn::Eq(hn::And(g, hn::Set(d8, f.gradient_bits)), hn::Zero(d8)));
+        const auto n_miss =
+            hn::VecFromMask(d8, hn::Eq(hn::And(n, hn::Set(d8, f.normal_bits)), hn::Zero(d8)));
+        gradient_bytes =
+            hn::Add(gradient_bytes, hn::AndNot(g_miss, hn::Set(d8, f.gradient_weight)));
         normal_bytes = hn::Add(normal_bytes, hn::AndNot(n_miss, hn::Set(d8, f.normal_weight)));
       }
-      gradient_low = hn::Add(gradient_low, hn::PromoteTo(d16, hn::LowerHalf(half8, gradient_bytes)));
-      gradient_high = hn::Add(gradient_high, hn::PromoteTo(d16, hn::UpperHalf(half8, gradient_bytes)));
+      gradient_low =
+          hn::Add(gradient_low, hn::PromoteTo(d16, hn::LowerHalf(half8, gradient_bytes)));
+      gradient_high =
+          hn::Add(gradient_high, hn::PromoteTo(d16, hn::UpperHalf(half8, gradient_bytes)));
       normal_low = hn::Add(normal_low, hn::PromoteTo(d16, hn::LowerHalf(half8, normal_bytes)));
       normal_high = hn::Add(normal_high, hn::PromoteTo(d16, hn::UpperHalf(half8, normal_bytes)));
     }
@@ -69,8 +78,8 @@ void ScanRow(const PlainMaps& maps, std::ptrdiff_t row_offset, int width, const 
   }
 }
 
-// Adds up a template's matches over 16 gradient and 16 normal bytes per feature. `load_block` gives the 16 bytes of one
-// modality; registers hold one modality each where they are 16 bytes wide.
+// Adds up a template's matches over 16 gradient and 16 normal bytes per feature. `load_block` gives
+// the 16 bytes of one modality; registers hold one modality each where they are 16 bytes wide.
 template <class LoadGradient, class LoadNormal>
 HWY_INLINE void SumBlocks(const Feature* features, int count, const LoadGradient& load_gradient,
                           const LoadNormal& load_normal, BlockSums& out) {
@@ -84,13 +93,16 @@ HWY_INLINE void SumBlocks(const Feature* features, int count, const LoadGradient
     auto gradient_bytes = hn::Zero(d8), normal_bytes = hn::Zero(d8);
     for (; i < end; ++i) {
       const Feature& f = features[i];
-      const auto g_miss = hn::VecFromMask(d8, hn::Eq(hn::And(load_gradient(f), hn::Set(d8, f.gradient_bits)), hn::Zero(d8)));
-      const auto n_miss = hn::VecFromMask(d8, hn::Eq(hn::And(load_normal(f), hn::Set(d8, f.normal_bits)), hn::Zero(d8)));
+      const auto g_miss = hn::VecFromMask(
+          d8, hn::Eq(hn::And(load_gradient(f), hn::Set(d8, f.gradient_bits)), hn::Zero(d8)));
+      const auto n_miss = hn::VecFromMask(
+          d8, hn::Eq(hn::And(load_normal(f), hn::Set(d8, f.normal_bits)), hn::Zero(d8)));
       gradient_bytes = hn::Add(gradient_bytes, hn::AndNot(g_miss, hn::Set(d8, f.gradient_weight)));
       normal_bytes = hn::Add(normal_bytes, hn::AndNot(n_miss, hn::Set(d8, f.normal_weight)));
     }
     gradient_low = hn::Add(gradient_low, hn::PromoteTo(d16, hn::LowerHalf(half8, gradient_bytes)));
-    gradient_high = hn::Add(gradient_high, hn::PromoteTo(d16, hn::UpperHalf(half8, gradient_bytes)));
+    gradient_high =
+        hn::Add(gradient_high, hn::PromoteTo(d16, hn::UpperHalf(half8, gradient_bytes)));
     normal_low = hn::Add(normal_low, hn::PromoteTo(d16, hn::LowerHalf(half8, normal_bytes)));
     normal_high = hn::Add(normal_high, hn::PromoteTo(d16, hn::UpperHalf(half8, normal_bytes)));
   }
@@ -102,14 +114,16 @@ HWY_INLINE void SumBlocks(const Feature* features, int count, const LoadGradient
 
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
 // 256-bit registers: one load, one comparison and one sum for both modalities of a block.
-void MatchBlockRearranged(const RearrangedMap& map, int x, int y, const Feature* features, int count, int scale_q8,
-                          BlockSums& out) {
+void MatchBlockRearranged(const RearrangedMap& map, int x, int y, const Feature* features,
+                          int count, int scale_q8, BlockSums& out) {
   const hn::FixedTag<std::uint8_t, 32> d8;
   const hn::FixedTag<std::uint16_t, 16> d16;
   const hn::FixedTag<std::uint8_t, 16> half8;
-  // Lane pattern that spreads byte 0 of a pair over the gradient half and byte 1 over the normal half.
-  alignas(32) static constexpr std::uint8_t kSpread[32] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
-                                                           1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+  // Lane pattern that spreads byte 0 of a pair over the gradient half and byte 1 over the normal
+  // half.
+  alignas(32) static constexpr std::uint8_t kSpread[32] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+                                                           0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1,
+                                                           1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
   const auto spread = hn::Load(d8, kSpread);
   const std::uint8_t* origin = map.blocks + (y / 2 * map.stride_blocks + x / 2) * kBlockBytes;
   auto gradient = hn::Zero(d16), normal = hn::Zero(d16);
@@ -118,10 +132,14 @@ void MatchBlockRearranged(const RearrangedMap& map, int x, int y, const Feature*
     auto bytes = hn::Zero(d8);
     for (; i < end; ++i) {
       const Feature& f = features[i];
-      const auto block = hn::LoadU(d8, origin + (scaled_half_offset(f.y, scale_q8) * map.stride_blocks +
-                                                 scaled_half_offset(f.x, scale_q8)) * kBlockBytes);
-      const auto bits_pair = hn::BitCast(d8, hn::Set(d16, static_cast<std::uint16_t>(f.gradient_bits | f.normal_bits << 8)));
-      const auto weight_pair = hn::BitCast(d8, hn::Set(d16, static_cast<std::uint16_t>(f.gradient_weight | f.normal_weight << 8)));
+      const auto block =
+          hn::LoadU(d8, origin + (scaled_half_offset(f.y, scale_q8) * map.stride_blocks +
+                                  scaled_half_offset(f.x, scale_q8)) *
+                                     kBlockBytes);
+      const auto bits_pair = hn::BitCast(
+          d8, hn::Set(d16, static_cast<std::uint16_t>(f.gradient_bits | f.normal_bits << 8)));
+      const auto weight_pair = hn::BitCast(
+          d8, hn::Set(d16, static_cast<std::uint16_t>(f.gradient_weight | f.normal_weight << 8)));
       const auto bits = hn::TableLookupBytes(bits_pair, spread);
       const auto weights = hn::TableLookupBytes(weight_pair, spread);
       const auto miss = hn::VecFromMask(d8, hn::Eq(hn::And(block, bits), hn::Zero(d8)));
@@ -134,45 +152,57 @@ void MatchBlockRearranged(const RearrangedMap& map, int x, int y, const Feature*
   hn::Store(normal, d16, out.normal);
 }
 #else
-void MatchBlockRearranged(const RearrangedMap& map, int x, int y, const Feature* features, int count, int scale_q8,
-                          BlockSums& out) {
+void MatchBlockRearranged(const RearrangedMap& map, int x, int y, const Feature* features,
+                          int count, int scale_q8, BlockSums& out) {
   const hn::FixedTag<std::uint8_t, 16> d8;
   const std::uint8_t* origin = map.blocks + (y / 2 * map.stride_blocks + x / 2) * kBlockBytes;
   auto block_of = [&](const Feature& f) {
-    return origin + (scaled_half_offset(f.y, scale_q8) * map.stride_blocks + scaled_half_offset(f.x, scale_q8)) * kBlockBytes;
+    return origin + (scaled_half_offset(f.y, scale_q8) * map.stride_blocks +
+                     scaled_half_offset(f.x, scale_q8)) *
+                        kBlockBytes;
   };
-  SumBlocks(features, count, [&](const Feature& f) { return hn::LoadU(d8, block_of(f)); },
-            [&](const Feature& f) { return hn::LoadU(d8, block_of(f) + 16); }, out);
+  SumBlocks(
+      features, count, [&](const Feature& f) { return hn::LoadU(d8, block_of(f)); },
+      [&](const Feature& f) { return hn::LoadU(d8, block_of(f) + 16); }, out);
 }
 #endif
 
 // Without rearrangement four short rows have to be collected for each modality.
-void MatchBlockPlain(const PlainMaps& maps, int x, int y, const Feature* features, int count, int scale_q8, BlockSums& out) {
+void MatchBlockPlain(const PlainMaps& maps, int x, int y, const Feature* features, int count,
+                     int scale_q8, BlockSums& out) {
   const hn::FixedTag<std::uint8_t, 16> d8;
   auto gather = [&](const std::uint8_t* base, const Feature& f) {
-    const std::uint8_t* at = base + (y + 2 * scaled_half_offset(f.y, scale_q8)) * maps.stride + x + 2 * scaled_half_offset(f.x, scale_q8);
+    const std::uint8_t* at = base + (y + 2 * scaled_half_offset(f.y, scale_q8)) * maps.stride + x +
+                             2 * scaled_half_offset(f.x, scale_q8);
     alignas(16) std::uint8_t block[16];
     for (int r = 0; r < 4; ++r) __builtin_memcpy(block + 4 * r, at + r * maps.stride, 4);
     return hn::Load(d8, block);
   };
-  SumBlocks(features, count, [&](const Feature& f) { return gather(maps.gradient, f); },
-            [&](const Feature& f) { return gather(maps.normal, f); }, out);
+  SumBlocks(
+      features, count, [&](const Feature& f) { return gather(maps.gradient, f); },
+      [&](const Feature& f) { return gather(maps.normal, f); }, out);
 }
 
-void GradientRow(const std::uint8_t* row, std::ptrdiff_t stride, int width, std::int32_t threshold_squared, std::uint8_t* bits) {
+void GradientRow(const std::uint8_t* row, std::ptrdiff_t stride, int width,
+                 std::int32_t threshold_squared, std::uint8_t* bits) {
   const hn::ScalableTag<std::int32_t> d32;
   const hn::Rebind<std::uint8_t, decltype(d32)> d8;
   const int lanes = static_cast<int>(hn::Lanes(d32));
   int x = 1;
   for (; x + lanes + 1 <= width; x += lanes) {
-    auto load = [&](std::ptrdiff_t offset) { return hn::PromoteTo(d32, hn::LoadU(d8, row + x + offset)); };
+    auto load = [&](std::ptrdiff_t offset) {
+      return hn::PromoteTo(d32, hn::LoadU(d8, row + x + offset));
+    };
     const auto a0 = load(-stride - 1), a1 = load(-stride), a2 = load(-stride + 1);
     const auto b0 = load(-1), b2 = load(1);
     const auto c0 = load(stride - 1), c1 = load(stride), c2 = load(stride + 1);
-    auto gx = hn::Sub(hn::Add(hn::Add(a2, c2), hn::Add(b2, b2)), hn::Add(hn::Add(a0, c0), hn::Add(b0, b0)));
-    auto gy = hn::Sub(hn::Add(hn::Add(c0, c2), hn::Add(c1, c1)), hn::Add(hn::Add(a0, a2), hn::Add(a1, a1)));
+    auto gx = hn::Sub(hn::Add(hn::Add(a2, c2), hn::Add(b2, b2)),
+                      hn::Add(hn::Add(a0, c0), hn::Add(b0, b0)));
+    auto gy = hn::Sub(hn::Add(hn::Add(c0, c2), hn::Add(c1, c1)),
+                      hn::Add(hn::Add(a0, a2), hn::Add(a1, a1)));
     const auto zero = hn::Zero(d32);
-    const auto weak = hn::Lt(hn::Add(hn::Mul(gx, gx), hn::Mul(gy, gy)), hn::Set(d32, threshold_squared));
+    const auto weak =
+        hn::Lt(hn::Add(hn::Mul(gx, gx), hn::Mul(gy, gy)), hn::Set(d32, threshold_squared));
     // Into the upper half plane, as the scalar code does.
     const auto flip = hn::Or(hn::Lt(gy, zero), hn::And(hn::Eq(gy, zero), hn::Lt(gx, zero)));
     gx = hn::IfThenElse(flip, hn::Neg(gx), gx);
@@ -182,14 +212,18 @@ void GradientRow(const std::uint8_t* row, std::ptrdiff_t stride, int width, std:
     auto sector = zero;
     const auto one = hn::Set(d32, 1);
     for (const std::int32_t tangent : {815, 2737, 6130, 20592}) {
-      sector = hn::Add(sector, hn::IfThenZeroElse(hn::Lt(gy4096, hn::Mul(ax, hn::Set(d32, tangent))), one));
+      sector = hn::Add(sector,
+                       hn::IfThenZeroElse(hn::Lt(gy4096, hn::Mul(ax, hn::Set(d32, tangent))), one));
     }
-    const auto bin = hn::And(hn::IfThenElse(hn::Lt(gx, zero), hn::Sub(hn::Set(d32, 8), sector), sector), hn::Set(d32, 7));
+    const auto bin =
+        hn::And(hn::IfThenElse(hn::Lt(gx, zero), hn::Sub(hn::Set(d32, 8), sector), sector),
+                hn::Set(d32, 7));
     const auto something = hn::Or(hn::Ne(gx, zero), hn::Ne(gy, zero));
     const auto bit = hn::IfThenZeroElse(weak, hn::IfThenElseZero(something, hn::Shl(one, bin)));
     hn::StoreU(hn::DemoteTo(d8, bit), d8, bits + x);
   }
-  if (x + 1 < width) gradient_row_scalar(row + x - 1, stride, width - (x - 1), threshold_squared, bits + x - 1);
+  if (x + 1 < width)
+    gradient_row_scalar(row + x - 1, stride, width - (x - 1), threshold_squared, bits + x - 1);
 }
 
 #endif  // HWY_SCALAR
@@ -208,8 +242,10 @@ HWY_EXPORT(MatchBlockPlain);
 HWY_EXPORT(GradientRow);
 
 KernelTable vector_kernels(std::size_t target_index) {
-  return {HWY_DISPATCH_TABLE(ScanRow)[target_index], HWY_DISPATCH_TABLE(MatchBlockRearranged)[target_index],
-          HWY_DISPATCH_TABLE(MatchBlockPlain)[target_index], HWY_DISPATCH_TABLE(GradientRow)[target_index], ""};
+  return {HWY_DISPATCH_TABLE(ScanRow)[target_index],
+          HWY_DISPATCH_TABLE(MatchBlockRearranged)[target_index],
+          HWY_DISPATCH_TABLE(MatchBlockPlain)[target_index],
+          HWY_DISPATCH_TABLE(GradientRow)[target_index], ""};
 }
 
 }  // namespace binpick::simd

@@ -11,14 +11,14 @@ using Faces = std::vector<std::array<int, 3>>;
 
 void add_icosahedron(std::vector<Vec3>& vertices, Faces& faces) {
   const double g = (1 + std::sqrt(5.0)) / 2;
-  for (const Vec3& v : {Vec3(-1, g, 0), Vec3(1, g, 0), Vec3(-1, -g, 0), Vec3(1, -g, 0), Vec3(0, -1, g),
-                        Vec3(0, 1, g), Vec3(0, -1, -g), Vec3(0, 1, -g), Vec3(g, 0, -1), Vec3(g, 0, 1),
-                        Vec3(-g, 0, -1), Vec3(-g, 0, 1)}) {
+  for (const Vec3& v : {Vec3(-1, g, 0), Vec3(1, g, 0), Vec3(-1, -g, 0), Vec3(1, -g, 0),
+                        Vec3(0, -1, g), Vec3(0, 1, g), Vec3(0, -1, -g), Vec3(0, 1, -g),
+                        Vec3(g, 0, -1), Vec3(g, 0, 1), Vec3(-g, 0, -1), Vec3(-g, 0, 1)}) {
     vertices.push_back(v.normalized());
   }
-  faces = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+  faces = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
            {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-           {3, 8, 9},  {4, 9, 5},  {2, 4, 11},  {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+           {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
 }
 
 std::vector<std::array<int, 2>> edges_of(const Faces& faces) {
@@ -27,7 +27,8 @@ std::vector<std::array<int, 2>> edges_of(const Faces& faces) {
   for (const auto& f : faces) {
     for (int k = 0; k < 3; ++k) {
       const int a = std::min(f[k], f[(k + 1) % 3]), b = std::max(f[k], f[(k + 1) % 3]);
-      if (seen.emplace(std::pair{a, b}, static_cast<int>(edges.size())).second) edges.push_back({a, b});
+      if (seen.emplace(std::pair{a, b}, static_cast<int>(edges.size())).second)
+        edges.push_back({a, b});
     }
   }
   return edges;
@@ -66,9 +67,9 @@ std::vector<int> balanced_parents(const Icosphere& sphere, int s) {
   std::vector<int> parent(sphere.counts[s + 1]);
   for (int v = 0; v < vertex_count; ++v) parent[v] = v;
 
-  // Walking an Euler circuit leaves each vertex as often as it enters it. Give each edge to the vertex that it leaves: a
-  // vertex of degree 6 gets 3 midpoints, one of degree 5 gets 2 or 3. A hub joined to the odd vertices makes
-  // the circuit exist.
+  // Walking an Euler circuit leaves each vertex as often as it enters it. Give each edge to the
+  // vertex that it leaves: a vertex of degree 6 gets 3 midpoints, one of degree 5 gets 2 or 3. A
+  // hub joined to the odd vertices makes the circuit exist.
   const int hub = vertex_count;
   std::vector<std::array<int, 2>> graph = edges;
   std::vector<int> degree(vertex_count + 1, 0);

@@ -1,4 +1,5 @@
-// Viewpoints: the icosahedron, subdivided by halving its edges (paper section III-B): 12, 42, 162, 642 vertices.
+// Viewpoints: the icosahedron, subdivided by halving its edges (paper section III-B): 12, 42, 162,
+// 642 vertices.
 #pragma once
 
 #include <array>
@@ -9,7 +10,8 @@
 namespace binpick::train {
 
 struct Icosphere {
-  // Vertices of subdivision s are the first counts[s] entries: a subdivision keeps its parent's vertices.
+  // Vertices of subdivision s are the first counts[s] entries: a subdivision keeps its parent's
+  // vertices.
   std::vector<Vec3> vertices;  // unit length
   std::vector<int> counts;
   // edges[s]: the edges of subdivision s; the midpoint of edge e is vertex counts[s] + e.
@@ -19,8 +21,9 @@ struct Icosphere {
 // subdivisions = 1 gives the icosahedron alone.
 Icosphere make_icosphere(int subdivisions);
 
-// For each vertex of subdivision s + 1 its nearest vertex of subdivision s. A midpoint is as near to one end of
-// its edge as to the other: the ties are broken so that each parent gets three or four children.
+// For each vertex of subdivision s + 1 its nearest vertex of subdivision s. A midpoint is as near
+// to one end of its edge as to the other: the ties are broken so that each parent gets three or
+// four children.
 std::vector<int> balanced_parents(const Icosphere& sphere, int s);
 
 }  // namespace binpick::train

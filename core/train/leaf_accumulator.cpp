@@ -11,8 +11,8 @@ namespace {
 
 // Votes are whole numbers: a sample has this many, split between neighbouring bins.
 constexpr int kVoteUnits = 3;
-// Normals vary slowly over a surface: of each rendering every 8th pixel votes, for a cell of 2x2 pixels, which makes half
-// a vote per sample and cell; each counts double.
+// Normals vary slowly over a surface: of each rendering every 8th pixel votes, for a cell of 2x2
+// pixels, which makes half a vote per sample and cell; each counts double.
 constexpr int kSurfaceStride = 8;
 constexpr int kSurfaceVote = 2 * kVoteUnits;
 // Different renderings that a viewpoint should find within its tilt jitter.
@@ -37,11 +37,12 @@ void add_split_vote(std::uint16_t* bins, int first, int second, float fraction, 
 }
 
 // sum = sum of weight * block over rows of `row_bins` bins each.
-void add_weighted(const HistogramGrid<std::uint16_t>& block, int weight, std::size_t first, std::size_t end,
-                  HistogramGrid<std::uint16_t>& sum) {
+void add_weighted(const HistogramGrid<std::uint16_t>& block, int weight, std::size_t first,
+                  std::size_t end, HistogramGrid<std::uint16_t>& sum) {
   const std::uint16_t* from = block.bins.data();
   std::uint16_t* to = sum.bins.data();
-  for (std::size_t i = first; i < end; ++i) to[i] = static_cast<std::uint16_t>(to[i] + weight * from[i]);
+  for (std::size_t i = first; i < end; ++i)
+    to[i] = static_cast<std::uint16_t>(to[i] + weight * from[i]);
 }
 
 }  // namespace
@@ -51,33 +52,41 @@ RollBlocks make_roll_blocks(const TrainOptions& options, int leaf_roll_count) {
   blocks.count = 2 * leaf_roll_count;
   const double per_side = options.roll_jitter_deg / (360.0 / blocks.count);
   blocks.full_per_side = static_cast<int>(per_side);
-  blocks.outer_weight = static_cast<int>(std::lround((per_side - blocks.full_per_side) * kBlockWeight));
+  blocks.outer_weight =
+      static_cast<int>(std::lround((per_side - blocks.full_per_side) * kBlockWeight));
   if (blocks.full_per_side == 0 && blocks.outer_weight == 0) blocks.outer_weight = 1;
-  blocks.samples_per_block = std::max(1, static_cast<int>(std::lround(options.samples / (2 * per_side))));
+  blocks.samples_per_block =
+      std::max(1, static_cast<int>(std::lround(options.samples / (2 * per_side))));
   return blocks;
 }
 
 int sample_pool_size(const TrainOptions& options) {
   const double side = 2 * options.tilt_jitter_deg * std::numbers::pi / 180;
   const double share = side * side / (4 * std::numbers::pi);
-  return static_cast<int>(std::clamp(std::min<double>(options.samples, kRenderingsPerViewpoint) / share, 200.0, 40000.0));
+  return static_cast<int>(std::clamp(
+      std::min<double>(options.samples, kRenderingsPerViewpoint) / share, 200.0, 40000.0));
 }
 
-LeafAccumulator::LeafAccumulator(const std::vector<RenderedSample>& samples, const TemplateCamera& camera,
-                                 const TrainOptions& options, const RollBlocks& blocks)
+LeafAccumulator::LeafAccumulator(const std::vector<RenderedSample>& samples,
+                                 const TemplateCamera& camera, const TrainOptions& options,
+                                 const RollBlocks& blocks)
     : samples_(samples), options_(options), blocks_(blocks), radius_(camera.radius) {
   const int size = 2 * radius_;
   ring_.resize(static_cast<std::size_t>(2 * (blocks.full_per_side + 1)));
-  for (Block& b : ring_) b = {HistogramGrid<std::uint16_t>(size), HistogramGrid<std::uint16_t>(size / 2), 0, 0};
+  for (Block& b : ring_)
+    b = {HistogramGrid<std::uint16_t>(size), HistogramGrid<std::uint16_t>(size / 2), 0, 0};
   sums_.gradient = HistogramGrid<std::uint16_t>(size);
   sums_.normal = HistogramGrid<std::uint16_t>(size / 2);
-  sums_.votes = 2 * (blocks.full_per_side * kBlockWeight + blocks.outer_weight) * blocks.samples_per_block * kVoteUnits;
+  sums_.votes = 2 * (blocks.full_per_side * kBlockWeight + blocks.outer_weight) *
+                blocks.samples_per_block * kVoteUnits;
 }
 
 void LeafAccumulator::run(int leaf_index, const TreeViewpoint& view, int roll_count,
                           const std::function<void(int, const LeafHistograms&)>& visit) {
   near_ = samples_near(view, samples_, options_.tilt_jitter_deg);
-  if (near_.empty()) throw TrainError("no rendering lies within the tilt jitter of a viewpoint: the jitter is too small");
+  if (near_.empty())
+    throw TrainError(
+        "no rendering lies within the tilt jitter of a viewpoint: the jitter is too small");
   leaf_index_ = leaf_index;
   // The centre of roll r lies between blocks 2r and 2r + 1.
   int filled = -blocks_.full_per_side;
@@ -101,15 +110,19 @@ void LeafAccumulator::fill_block(int block) {
   slot.row_first = slot.normal.size;
   slot.row_end = 0;
   const int wrapped = (block + blocks_.count) % blocks_.count;
-  Rng rng{(options_.seed << 40) ^ (static_cast<std::uint64_t>(leaf_index_) << 16) ^ static_cast<std::uint64_t>(wrapped)};
+  Rng rng{(options_.seed << 40) ^ (static_cast<std::uint64_t>(leaf_index_) << 16) ^
+          static_cast<std::uint64_t>(wrapped)};
   for (int k = 0; k < blocks_.samples_per_block; ++k) {
-    const std::size_t pick = static_cast<std::size_t>(wrapped * blocks_.samples_per_block + k) % near_.size();
+    const std::size_t pick =
+        static_cast<std::size_t>(wrapped * blocks_.samples_per_block + k) % near_.size();
     const double roll = (wrapped + rng.uniform()) * 2 * std::numbers::pi / blocks_.count;
-    splat(near_[pick], static_cast<float>(roll), static_cast<int>(rng.next() % kSurfaceStride), slot);
+    splat(near_[pick], static_cast<float>(roll), static_cast<int>(rng.next() % kSurfaceStride),
+          slot);
   }
 }
 
-void LeafAccumulator::splat(const AlignedSample& aligned, float roll_rad, int surface_start, Block& out) const {
+void LeafAccumulator::splat(const AlignedSample& aligned, float roll_rad, int surface_start,
+                            Block& out) const {
   const RenderedSample& sample = samples_[static_cast<std::size_t>(aligned.index)];
   const float turn = aligned.turn_rad + roll_rad;
   const float c = std::cos(turn), s = std::sin(turn);
@@ -124,20 +137,24 @@ void LeafAccumulator::splat(const AlignedSample& aligned, float roll_rad, int su
     row_last = std::max(row_last, y);
     const float position = (p.angle_rad + turn) * (kOrientationBins / kPi) + 64;
     const int bin = static_cast<int>(position);
-    add_split_vote(out.gradient.cell(static_cast<int>(x), static_cast<int>(y)), bin & 7, (bin + 1) & 7,
-                   position - static_cast<float>(bin), kVoteUnits);
+    add_split_vote(out.gradient.cell(static_cast<int>(x), static_cast<int>(y)), bin & 7,
+                   (bin + 1) & 7, position - static_cast<float>(bin), kVoteUnits);
   }
   const unsigned cells = size / 2;
   const float cell_centre = static_cast<float>(radius_) / 2 + 0.5f;
-  for (std::size_t i = static_cast<std::size_t>(surface_start); i < sample.surface.size(); i += kSurfaceStride) {
+  for (std::size_t i = static_cast<std::size_t>(surface_start); i < sample.surface.size();
+       i += kSurfaceStride) {
     const SurfacePoint& p = sample.surface[i];
-    const unsigned x = static_cast<unsigned>(static_cast<int>((c * p.x - s * p.y) * 0.5f + cell_centre));
-    const unsigned y = static_cast<unsigned>(static_cast<int>((s * p.x + c * p.y) * 0.5f + cell_centre));
+    const unsigned x =
+        static_cast<unsigned>(static_cast<int>((c * p.x - s * p.y) * 0.5f + cell_centre));
+    const unsigned y =
+        static_cast<unsigned>(static_cast<int>((s * p.x + c * p.y) * 0.5f + cell_centre));
     if (x >= cells || y >= cells) continue;
     row_first = std::min(row_first, 2 * y);
     row_last = std::max(row_last, 2 * y);
     std::uint16_t* bins = out.normal.cell(static_cast<int>(x), static_cast<int>(y));
-    const SoftBins soft = soft_normal_bins(options_.normal_codebook, p.tilt_sin, p.azimuth_rad + turn);
+    const SoftBins soft =
+        soft_normal_bins(options_.normal_codebook, p.tilt_sin, p.azimuth_rad + turn);
     for (int k = 0; k < soft.count; ++k) {
       const int units = static_cast<int>(soft.weight[k] * kSurfaceVote + 0.5f);
       bins[soft.bin[k]] = static_cast<std::uint16_t>(bins[soft.bin[k]] + units);
@@ -154,12 +171,15 @@ void LeafAccumulator::sum_window(int roll) {
   sums_.row_end = 0;
   const int reach = blocks_.full_per_side + (blocks_.outer_weight > 0 ? 1 : 0);
   for (int b = 2 * roll + 1 - reach; b < 2 * roll + 1 + reach; ++b) {
-    const bool outer = b < 2 * roll + 1 - blocks_.full_per_side || b >= 2 * roll + 1 + blocks_.full_per_side;
+    const bool outer =
+        b < 2 * roll + 1 - blocks_.full_per_side || b >= 2 * roll + 1 + blocks_.full_per_side;
     const Block& block = slot_of(b);
     const int weight = outer ? blocks_.outer_weight : kBlockWeight;
     const std::size_t normal_row = static_cast<std::size_t>(sums_.normal.size) * kOrientationBins;
-    const auto first = static_cast<std::size_t>(block.row_first), end = static_cast<std::size_t>(std::max(block.row_first, block.row_end));
-    add_weighted(block.gradient, weight, 4 * normal_row * first, 4 * normal_row * end, sums_.gradient);
+    const auto first = static_cast<std::size_t>(block.row_first),
+               end = static_cast<std::size_t>(std::max(block.row_first, block.row_end));
+    add_weighted(block.gradient, weight, 4 * normal_row * first, 4 * normal_row * end,
+                 sums_.gradient);
     add_weighted(block.normal, weight, normal_row * first, normal_row * end, sums_.normal);
     sums_.row_first = std::min(sums_.row_first, block.row_first);
     sums_.row_end = std::max(sums_.row_end, block.row_end);

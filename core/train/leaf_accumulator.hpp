@@ -1,4 +1,5 @@
-// Orientation histograms of the leaf templates of one viewpoint (paper section III-A), for all its rolls in turn. One per thread.
+// Orientation histograms of the leaf templates of one viewpoint (paper section III-A), for all its
+// rolls in turn. One per thread.
 #pragma once
 
 #include <functional>
@@ -11,10 +12,11 @@ namespace binpick::train {
 
 class LeafAccumulator {
  public:
-  LeafAccumulator(const std::vector<RenderedSample>& samples, const TemplateCamera& camera, const TrainOptions& options,
-                  const RollBlocks& blocks);
+  LeafAccumulator(const std::vector<RenderedSample>& samples, const TemplateCamera& camera,
+                  const TrainOptions& options, const RollBlocks& blocks);
 
-  // Calls visit(roll, histograms) for every roll of the leaf viewpoint; the histograms are valid during the call.
+  // Calls visit(roll, histograms) for every roll of the leaf viewpoint; the histograms are valid
+  // during the call.
   void run(int leaf_index, const TreeViewpoint& view, int roll_count,
            const std::function<void(int, const LeafHistograms&)>& visit);
 

@@ -12,7 +12,8 @@ ModelTable append_table(std::vector<std::uint8_t>& bytes, const std::vector<T>& 
   bytes.resize((bytes.size() + kModelAlignment - 1) / kModelAlignment * kModelAlignment, 0);
   const ModelTable table{bytes.size(), rows.size()};
   bytes.resize(bytes.size() + rows.size() * sizeof(T));
-  if (!rows.empty()) std::memcpy(bytes.data() + table.offset_bytes, rows.data(), rows.size() * sizeof(T));
+  if (!rows.empty())
+    std::memcpy(bytes.data() + table.offset_bytes, rows.data(), rows.size() * sizeof(T));
   return table;
 }
 
@@ -23,10 +24,12 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
 
 }  // namespace
 
-std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tree, const TemplateSet& templates,
+std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tree,
+                                      const TemplateSet& templates,
                                       const std::vector<ViewSamples>& views) {
   ModelHeader header;
-  std::memset(static_cast<void*>(&header), 0, sizeof(header));  // padding too: the same part gives the same bytes
+  std::memset(static_cast<void*>(&header), 0,
+              sizeof(header));  // padding too: the same part gives the same bytes
   std::memcpy(header.magic, kModelMagic, sizeof(kModelMagic));
   header.version = kModelVersion;
   header.header_bytes = sizeof(ModelHeader);
@@ -43,7 +46,8 @@ std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tre
     for (std::size_t v = 0; v < layer.viewpoints.size(); ++v) {
       const TreeViewpoint& from = layer.viewpoints[v];
       Viewpoint to{};
-      for (int i = 0; i < 9; ++i) to.R_view_obj[i] = static_cast<float>(from.R_view_obj(i / 3, i % 3));
+      for (int i = 0; i < 9; ++i)
+        to.R_view_obj[i] = static_cast<float>(from.R_view_obj(i / 3, i % 3));
       to.parent = from.parent;
       to.child_first = from.child_first;
       to.child_count = from.child_count;
@@ -52,6 +56,7 @@ std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tre
         to.surface_count = static_cast<std::uint32_t>(views[v].surface.size());
         to.contour_first = static_cast<std::uint32_t>(contour.size());
         to.contour_count = static_cast<std::uint32_t>(views[v].contour.size());
+        to.sample_area_mm2 = static_cast<float>(views[v].sample_area_mm2);
         append(surface, views[v].surface);
         append(contour, views[v].contour);
       }
@@ -63,8 +68,10 @@ std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tre
       range.first = static_cast<std::uint32_t>(features.size());
       range.count = static_cast<std::uint16_t>(t.size());
       for (const Feature& f : t) {
-        range.gradient_weight_sum = static_cast<std::uint16_t>(range.gradient_weight_sum + f.gradient_weight);
-        range.normal_weight_sum = static_cast<std::uint16_t>(range.normal_weight_sum + f.normal_weight);
+        range.gradient_weight_sum =
+            static_cast<std::uint16_t>(range.gradient_weight_sum + f.gradient_weight);
+        range.normal_weight_sum =
+            static_cast<std::uint16_t>(range.normal_weight_sum + f.normal_weight);
       }
       append(features, t);
       ranges.push_back(range);

@@ -9,7 +9,8 @@
 
 namespace binpick::train {
 
-std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tree, const TemplateSet& templates,
+std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tree,
+                                      const TemplateSet& templates,
                                       const std::vector<ViewSamples>& views);
 
 }  // namespace binpick::train

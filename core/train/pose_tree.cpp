@@ -16,7 +16,8 @@ std::vector<std::vector<char>> wanted_vertices(const Icosphere& sphere,
   const int depths = static_cast<int>(sphere.counts.size());
   std::vector<std::vector<char>> wanted(depths);
   for (int d = 0; d < depths; ++d) wanted[d].assign(sphere.counts[d], 0);
-  // Half the spacing of the leaves is added, so that every pose inside the limit has a leaf near it.
+  // Half the spacing of the leaves is added, so that every pose inside the limit has a leaf near
+  // it.
   const double spacing_deg = 63.4 / (1 << (depths - 1));
   const double limit_rad = std::min(180.0, tilt_max_deg + spacing_deg / 2) * std::numbers::pi / 180;
   for (int v = 0; v < sphere.counts.back(); ++v) {
@@ -65,14 +66,17 @@ PoseTree make_pose_tree(const TrainOptions& options) {
   PoseTree tree;
   tree.depths.resize(depths);
   const int halvings = 1 << (depths - 1);
-  const int root_rolls = std::max(1, static_cast<int>(std::lround(360 / options.roll_interval_deg / halvings)));
+  const int root_rolls =
+      std::max(1, static_cast<int>(std::lround(360 / options.roll_interval_deg / halvings)));
   const double range_mm = options.distance_max_mm - options.distance_min_mm;
-  const int leaf_distances = std::max(1, static_cast<int>(std::ceil(range_mm / options.distance_interval_mm)));
+  const int leaf_distances =
+      std::max(1, static_cast<int>(std::ceil(range_mm / options.distance_interval_mm)));
 
   std::vector<int> vertex_of;  // of the depth just built: tree index -> sphere vertex
   for (int v = 0; v < sphere.counts[0]; ++v) {
     if (!wanted[0][v]) continue;
-    tree.depths[0].viewpoints.push_back({sphere.vertices[v], looking_from(sphere.vertices[v]), -1, 0, 0});
+    tree.depths[0].viewpoints.push_back(
+        {sphere.vertices[v], looking_from(sphere.vertices[v]), -1, 0, 0});
     vertex_of.push_back(v);
   }
   for (int d = 0; d < depths; ++d) {
@@ -88,7 +92,8 @@ PoseTree make_pose_tree(const TrainOptions& options) {
       for (int v = 0; v < sphere.counts[d + 1]; ++v) {
         if (!wanted[d + 1][v] || parents[d][v] != vertex_of[i]) continue;
         const Mat3 turn = rotation_between(view.direction_obj, sphere.vertices[v]);
-        below.viewpoints.push_back({sphere.vertices[v], orthonormalized(view.R_view_obj * turn.transpose()), i, 0, 0});
+        below.viewpoints.push_back(
+            {sphere.vertices[v], orthonormalized(view.R_view_obj * turn.transpose()), i, 0, 0});
         below_vertex_of.push_back(v);
       }
       view.child_count = static_cast<int>(below.viewpoints.size()) - view.child_first;

@@ -1,5 +1,6 @@
-// The balanced pose tree (paper section III-B): viewpoints, rolls and distances per depth, and who is whose child. A
-// node is a (viewpoint, roll, distance); roll r at depth d has the children 2r and 2r+1, distance k has 2k and 2k+1.
+// The balanced pose tree (paper section III-B): viewpoints, rolls and distances per depth, and who
+// is whose child. A node is a (viewpoint, roll, distance); roll r at depth d has the children 2r
+// and 2r+1, distance k has 2k and 2k+1.
 #pragma once
 
 #include <vector>
@@ -11,8 +12,8 @@ namespace binpick::train {
 
 struct TreeViewpoint {
   Vec3 direction_obj;  // unit, from the object towards the camera
-  Mat3 R_view_obj;     // camera axes at roll 0: carried over from the parent without twist, so that the
-                       // rolls of parent and child mean the same
+  Mat3 R_view_obj;     // camera axes at roll 0: carried over from the parent without twist, so that
+                       // the rolls of parent and child mean the same
   int parent = -1;
   int child_first = 0;
   int child_count = 0;

@@ -14,14 +14,15 @@ namespace {
 
 constexpr double kLeafDiameterPxMax = 128;
 constexpr double kDiameterPxMin = 12;
-// Narrower than this at the top of the pyramid, a part has no shape left: the scan starts one depth further down. (Not
-// further: the cost of a scan grows sixteenfold per depth.)
+// Narrower than this at the top of the pyramid, a part has no shape left: the scan starts one depth
+// further down. (Not further: the cost of a scan grows sixteenfold per depth.)
 constexpr double kScanWidthPxMin = 10;
 constexpr double kDegree = std::numbers::pi / 180;
 // Faces that meet at more than this angle show as an edge in the intensity image.
 const float kCreaseStep = 2 * std::sin(17.5f * static_cast<float>(kDegree));
 
-// Uniform in [0, 1) from a counter: independent of the order and the thread in which it is asked for.
+// Uniform in [0, 1) from a counter: independent of the order and the thread in which it is asked
+// for.
 double hashed_uniform(std::uint64_t seed, std::uint64_t index) {
   std::uint64_t x = seed * 0x9E3779B97F4A7C15ull + index + 0x632BE59BD9B4E019ull;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
@@ -29,7 +30,8 @@ double hashed_uniform(std::uint64_t seed, std::uint64_t index) {
   return static_cast<double>((x ^ (x >> 31)) >> 11) * 0x1.0p-53;
 }
 
-// Gradient direction of the normals at a crease (structure tensor over the three components), if there is one.
+// Gradient direction of the normals at a crease (structure tensor over the three components), if
+// there is one.
 bool crease_angle(const RenderedView& view, int x, int y, float& angle_rad) {
   const int w = view.width;
   const float z = view.depth_mm[y * w + x];
@@ -39,9 +41,13 @@ bool crease_angle(const RenderedView& view, int x, int y, float& angle_rad) {
       if (!(zn > 0) || std::fabs(zn - z) > z * kSameSurfaceRatio) return false;
     }
   }
-  auto n = [&](int i, int j) -> const Eigen::Vector3f& { return view.normal_cam[(y + j) * w + x + i]; };
-  const Eigen::Vector3f gx = (n(1, -1) + 2 * n(1, 0) + n(1, 1)) - (n(-1, -1) + 2 * n(-1, 0) + n(-1, 1));
-  const Eigen::Vector3f gy = (n(-1, 1) + 2 * n(0, 1) + n(1, 1)) - (n(-1, -1) + 2 * n(0, -1) + n(1, -1));
+  auto n = [&](int i, int j) -> const Eigen::Vector3f& {
+    return view.normal_cam[(y + j) * w + x + i];
+  };
+  const Eigen::Vector3f gx =
+      (n(1, -1) + 2 * n(1, 0) + n(1, 1)) - (n(-1, -1) + 2 * n(-1, 0) + n(-1, 1));
+  const Eigen::Vector3f gy =
+      (n(-1, 1) + 2 * n(0, 1) + n(1, 1)) - (n(-1, -1) + 2 * n(0, -1) + n(1, -1));
   const float xx = gx.squaredNorm(), yy = gy.squaredNorm(), xy = gx.dot(gy);
   if (xx + yy < 16 * kCreaseStep * kCreaseStep) return false;
   angle_rad = 0.5f * std::atan2(2 * xy, xx - yy);
@@ -75,11 +81,13 @@ TemplateCamera make_template_camera(const TrainOptions& options, const MeshBound
   const int leaf = options.tree_depths - 1;
   if (leaf > 1 && width_px / (1 << leaf) < kScanWidthPxMin) out.scan_depth = 1;
   const int size = 2 * out.radius;
-  out.intrinsics = {size, size, f, f, static_cast<double>(out.radius), static_cast<double>(out.radius)};
+  out.intrinsics = {
+      size, size, f, f, static_cast<double>(out.radius), static_cast<double>(out.radius)};
   return out;
 }
 
-void extract_features(const RenderedView& view, const CameraIntrinsics& camera, RenderedSample& out) {
+void extract_features(const RenderedView& view, const CameraIntrinsics& camera,
+                      RenderedSample& out) {
   out.contour.clear();
   out.surface.clear();
   const auto depth = view.depth_view();
@@ -94,19 +102,21 @@ void extract_features(const RenderedView& view, const CameraIntrinsics& camera, 
         // A Sobel filter answers on both sides of an outline: one pixel here, one beyond it.
         angle = std::atan2(step.gy, step.gx);
         out.contour.push_back({px, py, angle});
-        out.contour.push_back({px + std::round(std::cos(angle)), py + std::round(std::sin(angle)), angle});
+        out.contour.push_back(
+            {px + std::round(std::cos(angle)), py + std::round(std::sin(angle)), angle});
       } else if (crease_angle(view, x, y, angle)) {
         out.contour.push_back({px, py, angle});
       }
       const RayNormal n = fit_ray_normal(depth, camera, x, y);
-      if (n.valid) out.surface.push_back({px, py, std::sqrt(n.x * n.x + n.y * n.y), std::atan2(n.y, n.x)});
+      if (n.valid)
+        out.surface.push_back({px, py, std::sqrt(n.x * n.x + n.y * n.y), std::atan2(n.y, n.x)});
     }
   }
 }
 
 std::vector<RenderedSample> make_sample_pool(const Mesh& centred_mesh, const TrainOptions& options,
-                                             const TemplateCamera& camera, int count, WorkerPool& pool,
-                                             const TrainProgress& progress) {
+                                             const TemplateCamera& camera, int count,
+                                             WorkerPool& pool, const TrainProgress& progress) {
   // Even cover of the sphere: the golden-angle spiral, in an order that is shuffled by the seed so
   // that any run of indices is spread over the sphere too.
   std::vector<int> order(count);
@@ -114,7 +124,8 @@ std::vector<RenderedSample> make_sample_pool(const Mesh& centred_mesh, const Tra
   for (int i = count - 1; i > 0; --i) {
     std::swap(order[i], order[static_cast<int>(hashed_uniform(options.seed, i) * (i + 1))]);
   }
-  const double tilt_limit = std::min(180.0, options.tilt_max_deg + 8 + 1.5 * options.tilt_jitter_deg) * kDegree;
+  const double tilt_limit =
+      std::min(180.0, options.tilt_max_deg + 8 + 1.5 * options.tilt_jitter_deg) * kDegree;
   std::vector<RenderedSample> samples;
   for (int i = 0; i < count; ++i) {
     const double z = 1 - (2.0 * order[i] + 1) / count;
@@ -123,10 +134,12 @@ std::vector<RenderedSample> make_sample_pool(const Mesh& centred_mesh, const Tra
     if (z < std::cos(tilt_limit) - 1e-12) continue;
     RenderedSample s;
     s.direction_obj = Vec3(r * std::cos(turn), r * std::sin(turn), z);
-    const Mat3 front = (Mat3() << 1, 0, 0, 0, -1, 0, 0, 0, -1).finished();  // camera above +z, looking down
+    const Mat3 front =
+        (Mat3() << 1, 0, 0, 0, -1, 0, 0, 0, -1).finished();  // camera above +z, looking down
     s.R_view_obj = front * rotation_between(s.direction_obj, Vec3::UnitZ());
-    s.distance_mm = camera.reference_distance_mm +
-                    options.distance_jitter_mm * (2 * hashed_uniform(options.seed + 1, order[i]) - 1);
+    s.distance_mm =
+        camera.reference_distance_mm +
+        options.distance_jitter_mm * (2 * hashed_uniform(options.seed + 1, order[i]) - 1);
     samples.push_back(std::move(s));
   }
 
@@ -134,16 +147,20 @@ std::vector<RenderedSample> make_sample_pool(const Mesh& centred_mesh, const Tra
   std::vector<RenderedView> views(pool.thread_count());
   const int size = camera.intrinsics.width;
   pool.parallel_for(static_cast<int>(samples.size()), [&](int i, int thread) {
-    if (!renderers[thread]) renderers[thread] = std::make_unique<Renderer>(centred_mesh, size, size);
+    if (!renderers[thread])
+      renderers[thread] = std::make_unique<Renderer>(centred_mesh, size, size);
     RenderedSample& s = samples[i];
-    renderers[thread]->render(camera.intrinsics, {s.R_view_obj, Vec3(0, 0, s.distance_mm)}, views[thread]);
+    renderers[thread]->render(camera.intrinsics, {s.R_view_obj, Vec3(0, 0, s.distance_mm)},
+                              views[thread]);
     extract_features(views[thread], camera.intrinsics, s);
-    if (progress && thread == 0) progress(static_cast<double>(i) / static_cast<double>(samples.size()));
+    if (progress && thread == 0)
+      progress(static_cast<double>(i) / static_cast<double>(samples.size()));
   });
   return samples;
 }
 
-std::vector<AlignedSample> samples_near(const TreeViewpoint& view, const std::vector<RenderedSample>& pool,
+std::vector<AlignedSample> samples_near(const TreeViewpoint& view,
+                                        const std::vector<RenderedSample>& pool,
                                         double tilt_jitter_deg) {
   std::vector<AlignedSample> near;
   const double jitter = tilt_jitter_deg * kDegree;
@@ -155,7 +172,8 @@ std::vector<AlignedSample> samples_near(const TreeViewpoint& view, const std::ve
     const Mat3 Q = rotation_between(view.direction_obj, s.direction_obj);
     const Vec3 tilt = view.R_view_obj * rotation_vector(Q);
     if (std::abs(tilt.x()) > jitter || std::abs(tilt.y()) > jitter) continue;
-    // R_aligned = Rz(turn) R_sample, where R_aligned is the viewpoint's frame carried over to the sample's direction.
+    // R_aligned = Rz(turn) R_sample, where R_aligned is the viewpoint's frame carried over to the
+    // sample's direction.
     const Mat3 Z = view.R_view_obj * Q.transpose() * s.R_view_obj.transpose();
     near.push_back({i, static_cast<float>(std::atan2(Z(1, 0), Z(0, 0)))});
   }

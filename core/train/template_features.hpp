@@ -1,5 +1,5 @@
-// From histograms to a template: threshold, bits, weights (paper section III-A, fourth step), and the choice of the pixels that the
-// search will look at.
+// From histograms to a template: threshold, bits, weights (paper section III-A, fourth step), and
+// the choice of the pixels that the search will look at.
 #pragma once
 
 #include <vector>
@@ -39,7 +39,9 @@ struct FeatureBudget {
   int surface = 0;  // pixels with only a normal orientation, at most
 };
 
-// Chooses pixels with high weights that are spread over the template, strongest first within each kind.
-std::vector<Feature> select_features(const std::vector<FeatureCandidate>& candidates, const FeatureBudget& budget);
+// Chooses pixels with high weights that are spread over the template, strongest first within each
+// kind.
+std::vector<Feature> select_features(const std::vector<FeatureCandidate>& candidates,
+                                     const FeatureBudget& budget);
 
 }  // namespace binpick::train

@@ -16,23 +16,32 @@ void require(bool ok, const std::string& sentence) {
 
 void check_options(const TrainOptions& o) {
   require(o.camera.valid(), "the camera's focal lengths must be positive and finite");
-  require(std::isfinite(o.distance_min_mm) && std::isfinite(o.distance_max_mm) && o.distance_min_mm > 0 &&
-              o.distance_max_mm >= o.distance_min_mm,
+  require(std::isfinite(o.distance_min_mm) && std::isfinite(o.distance_max_mm) &&
+              o.distance_min_mm > 0 && o.distance_max_mm >= o.distance_min_mm,
           "the distance range must be positive, with its minimum not above its maximum");
-  require(o.tilt_max_deg > 0 && o.tilt_max_deg <= 180, "the tilt limit must lie in (0, 180] degrees");
+  require(o.tilt_max_deg > 0 && o.tilt_max_deg <= 180,
+          "the tilt limit must lie in (0, 180] degrees");
   require(o.samples >= 10 && o.samples <= 2500, "the number of samples must lie in [10, 2500]");
   require(o.gradient_threshold >= 0 && o.gradient_threshold < o.samples,
           "the gradient threshold must lie between 0 and the number of samples");
   require(o.normal_threshold >= 0 && o.normal_threshold < o.samples,
           "the normal threshold must lie between 0 and the number of samples");
-  require(o.tilt_jitter_deg > 0.5 && o.tilt_jitter_deg <= 45, "the tilt jitter must lie in (0.5, 45] degrees");
-  require(o.roll_jitter_deg > 0 && o.roll_jitter_deg <= 90, "the roll jitter must lie in (0, 90] degrees");
-  require(o.distance_jitter_mm >= 0 && std::isfinite(o.distance_jitter_mm), "the distance jitter must not be negative");
-  require(o.roll_interval_deg >= 1 && o.roll_interval_deg <= 90, "the roll interval must lie in [1, 90] degrees");
-  require(o.distance_interval_mm > 0 && (o.distance_max_mm - o.distance_min_mm) / o.distance_interval_mm <= 1000,
-          "the distance interval must be positive and cut the range into at most 1000 steps");
-  require(o.tree_depths >= 2 && o.tree_depths <= kModelDepthsMax, "the pose tree must have 2 to 4 depths");
-  require(o.contour_features >= 0 && o.surface_features >= 0 && o.contour_features + o.surface_features >= 8 &&
+  require(o.tilt_jitter_deg > 0.5 && o.tilt_jitter_deg <= 45,
+          "the tilt jitter must lie in (0.5, 45] degrees");
+  require(o.roll_jitter_deg > 0 && o.roll_jitter_deg <= 90,
+          "the roll jitter must lie in (0, 90] degrees");
+  require(o.distance_jitter_mm >= 0 && std::isfinite(o.distance_jitter_mm),
+          "the distance jitter must not be negative");
+  require(o.roll_interval_deg >= 1 && o.roll_interval_deg <= 90,
+          "the roll interval must lie in [1, 90] degrees");
+  require(
+      o.distance_interval_mm > 0 &&
+          (o.distance_max_mm - o.distance_min_mm) / o.distance_interval_mm <= kModelDistancesMax,
+      "the distance interval must be positive and cut the range into at most 64 steps");
+  require(o.tree_depths >= 2 && o.tree_depths <= kModelDepthsMax,
+          "the pose tree must have 2 to 4 depths");
+  require(o.contour_features >= 0 && o.surface_features >= 0 &&
+              o.contour_features + o.surface_features >= 8 &&
               o.contour_features + o.surface_features <= 255,
           "a template must have 8 to 255 features");
 }
@@ -43,7 +52,8 @@ Mesh centred(const Mesh& mesh, const Vec3& centre_mm) {
   return out;
 }
 
-ModelInfo make_info(const ImportedMesh& part, const MeshBounds& bounds, const TrainOptions& o, const TemplateCamera& camera) {
+ModelInfo make_info(const ImportedMesh& part, const MeshBounds& bounds, const TrainOptions& o,
+                    const TemplateCamera& camera) {
   ModelInfo info;
   std::memset(static_cast<void*>(&info), 0, sizeof(info));
   info.source_hash = part.source_hash;
@@ -92,7 +102,8 @@ std::vector<std::uint8_t> train_model(const ImportedMesh& part, const TrainOptio
   const std::vector<RenderedSample> samples = make_sample_pool(
       mesh, options, camera, sample_pool_size(options), pool, share_of(progress, 0, 0.25));
   const std::vector<ViewSamples> views = make_view_samples(mesh, tree, camera, pool);
-  const TemplateSet templates = build_templates(tree, samples, camera, options, pool, share_of(progress, 0.3, 1));
+  const TemplateSet templates =
+      build_templates(tree, samples, camera, options, pool, share_of(progress, 0.3, 1));
   return write_model(make_info(part, bounds, options, camera), tree, templates, views);
 }
 

@@ -18,16 +18,19 @@ struct EdgePixel {
   bool is_silhouette;
 };
 
-// Direction of the normals' change at a crease, in px; the same test as for templates, without a direction.
+// Direction of the normals' change at a crease, in px; the same test as for templates, without a
+// direction.
 bool is_crease(const RenderedView& view, int x, int y) {
   const int w = view.width;
   const float z = view.depth_mm[y * w + x];
   const Eigen::Vector3f& n = view.normal_cam[y * w + x];
   constexpr float kCosCrease = 0.819f;  // 35 degrees
   bool sharp = false;
-  for (const auto& [i, j] : {std::pair{1, 0}, std::pair{0, 1}, std::pair{-1, 0}, std::pair{0, -1}}) {
+  for (const auto& [i, j] :
+       {std::pair{1, 0}, std::pair{0, 1}, std::pair{-1, 0}, std::pair{0, -1}}) {
     const int at = (y + j) * w + x + i;
-    if (!(view.depth_mm[at] > 0) || std::fabs(view.depth_mm[at] - z) > z * kSameSurfaceRatio) return false;
+    if (!(view.depth_mm[at] > 0) || std::fabs(view.depth_mm[at] - z) > z * kSameSurfaceRatio)
+      return false;
     sharp |= n.dot(view.normal_cam[at]) < kCosCrease;
   }
   return sharp;
@@ -44,7 +47,8 @@ std::vector<EdgePixel> find_edges(const RenderedView& view, const CameraIntrinsi
       if (step.edge) {
         // The outline runs between this pixel and the next: half a pixel further out.
         const double norm = std::hypot(static_cast<double>(step.gx), static_cast<double>(step.gy));
-        const double u = x + 0.5 * static_cast<double>(step.gx) / norm, v = y + 0.5 * static_cast<double>(step.gy) / norm;
+        const double u = x + 0.5 * static_cast<double>(step.gx) / norm,
+                     v = y + 0.5 * static_cast<double>(step.gy) / norm;
         edges.push_back({x, y, camera.unproject(u, v, z), true});
       } else if (is_crease(view, x, y)) {
         edges.push_back({x, y, camera.unproject(x, y, z), false});
@@ -54,15 +58,16 @@ std::vector<EdgePixel> find_edges(const RenderedView& view, const CameraIntrinsi
   return edges;
 }
 
-// Direction of the edge through `at`: principal axis of the edge pixels of the same kind around it, in 3D. False where
-// they form a blob or a corner rather than a line.
+// Direction of the edge through `at`: principal axis of the edge pixels of the same kind around it,
+// in 3D. False where they form a blob or a corner rather than a line.
 bool edge_tangent(const EdgePixel& at, const std::vector<EdgePixel>& edges, Vec3& tangent) {
   Mat3 scatter = Mat3::Zero();
   Vec3 mean = Vec3::Zero();
   int count = 0;
   std::vector<Vec3> near;
   for (const EdgePixel& e : edges) {
-    if (std::abs(e.x - at.x) > 5 || std::abs(e.y - at.y) > 5 || e.is_silhouette != at.is_silhouette) continue;
+    if (std::abs(e.x - at.x) > 5 || std::abs(e.y - at.y) > 5 || e.is_silhouette != at.is_silhouette)
+      continue;
     if (std::abs(e.position_cam.z() - at.position_cam.z()) > 0.01 * at.position_cam.z()) continue;
     near.push_back(e.position_cam);
     mean += e.position_cam;
@@ -100,15 +105,16 @@ std::vector<int> spread(const std::vector<EdgePixel>& edges, bool silhouettes, i
   }
 }
 
-// The normal as the sensor shows it: a fit over a patch, in which threads and knurls are averaged out. `radius_px` is the
-// size of the detector's own patch at this rendering's scale.
+// The normal as the sensor shows it: a fit over a patch, in which threads and knurls are averaged
+// out. `radius_px` is the size of the detector's own patch at this rendering's scale.
 Vec3 patch_normal(const RenderedView& view, int x, int y, int radius_px) {
   const float z = view.depth_mm[static_cast<std::size_t>(y) * view.width + x];
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   for (int j = std::max(0, y - radius_px); j <= std::min(view.height - 1, y + radius_px); ++j) {
     for (int i = std::max(0, x - radius_px); i <= std::min(view.width - 1, x + radius_px); ++i) {
       const std::size_t at = static_cast<std::size_t>(j) * view.width + i;
-      if (view.depth_mm[at] > 0 && std::fabs(view.depth_mm[at] - z) <= z * kSameSurfaceRatio) sum += view.normal_cam[at];
+      if (view.depth_mm[at] > 0 && std::fabs(view.depth_mm[at] - z) <= z * kSameSurfaceRatio)
+        sum += view.normal_cam[at];
     }
   }
   return sum.normalized().cast<double>();
@@ -118,13 +124,15 @@ void store(const Vec3& v, float* out) {
   for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);
 }
 
-ViewSamples sample_view(const RenderedView& view, const CameraIntrinsics& camera, const Pose& T_cam_obj, int patch_radius_px) {
+ViewSamples sample_view(const RenderedView& view, const CameraIntrinsics& camera,
+                        const Pose& T_cam_obj, int patch_radius_px) {
   ViewSamples out;
   const Pose T_obj_cam = T_cam_obj.inverse();
   const auto depth = view.depth_view();
   std::size_t visible = 0;
   for (float z : view.depth_mm) visible += z > 0;
-  const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(visible) / kSurfaceSamplesMax))));
+  const int stride = std::max(
+      1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(visible) / kSurfaceSamplesMax))));
   for (int y = 1 + stride / 2; y < view.height - 1; y += stride) {
     for (int x = 1 + stride / 2; x < view.width - 1; x += stride) {
       if (!(depth.at(x, y) > 0) || depth_step(depth, x, y).edge) continue;
@@ -135,9 +143,12 @@ ViewSamples sample_view(const RenderedView& view, const CameraIntrinsics& camera
       out.surface.push_back(s);
     }
   }
+  const double pixel_mm = T_cam_obj.t_mm.z() / camera.fx;
+  out.sample_area_mm2 = stride * stride * pixel_mm * pixel_mm;
   const std::vector<EdgePixel> edges = find_edges(view, camera);
   for (const bool silhouettes : {true, false}) {
-    for (int i : spread(edges, silhouettes, silhouettes ? kSilhouetteSamplesMax : kCreaseSamplesMax)) {
+    for (int i :
+         spread(edges, silhouettes, silhouettes ? kSilhouetteSamplesMax : kCreaseSamplesMax)) {
       Vec3 tangent;
       if (!edge_tangent(edges[i], edges, tangent)) continue;
       ContourSample c{};
@@ -163,13 +174,16 @@ std::vector<ViewSamples> make_view_samples(const Mesh& centred_mesh, const PoseT
   intrinsics.fy *= scale;
   intrinsics.cx = intrinsics.cy = size / 2;
   // Two pixels of the level at which the detector fits its planes.
-  const double feature_level_focal = camera.intrinsics.fx * std::exp2(camera.base_level - kFeatureLevel);
-  const int patch_radius_px = std::max(1, static_cast<int>(std::lround(2 * intrinsics.fx / feature_level_focal)));
+  const double feature_level_focal =
+      camera.intrinsics.fx * std::exp2(camera.base_level - kFeatureLevel);
+  const int patch_radius_px =
+      std::max(1, static_cast<int>(std::lround(2 * intrinsics.fx / feature_level_focal)));
   std::vector<ViewSamples> out(leaves.size());
   std::vector<std::unique_ptr<Renderer>> renderers(static_cast<std::size_t>(pool.thread_count()));
   std::vector<RenderedView> views(static_cast<std::size_t>(pool.thread_count()));
   pool.parallel_for(static_cast<int>(leaves.size()), [&](int i, int thread) {
-    if (!renderers[thread]) renderers[thread] = std::make_unique<Renderer>(centred_mesh, size, size);
+    if (!renderers[thread])
+      renderers[thread] = std::make_unique<Renderer>(centred_mesh, size, size);
     const Pose T{leaves[i].R_view_obj, Vec3(0, 0, camera.reference_distance_mm)};
     renderers[thread]->render(intrinsics, T, views[thread]);
     out[i] = sample_view(views[thread], intrinsics, T, patch_radius_px);

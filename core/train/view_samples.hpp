@@ -1,5 +1,6 @@
-// What refinement and verification look up instead of rendering: for each leaf viewpoint, points of the visible
-// surface with normals, and points of the outline and of sharp visible creases with their directions.
+// What refinement and verification look up instead of rendering: for each leaf viewpoint, points of
+// the visible surface with normals, and points of the outline and of sharp visible creases with
+// their directions.
 #pragma once
 
 #include <vector>
@@ -12,6 +13,7 @@ namespace binpick::train {
 struct ViewSamples {
   std::vector<SurfaceSample> surface;
   std::vector<ContourSample> contour;
+  double sample_area_mm2 = 0;  // projected area that one surface sample stands for
 };
 
 inline constexpr int kSurfaceSamplesMax = 320;

@@ -1,5 +1,5 @@
-// All memory of the cycle: one block, taken piece by piece while the system is set up, sealed before
-// it runs. Thread: set-up only; sealed arenas are read-only facts.
+// All memory of the cycle: one block, taken piece by piece while the system is set up, sealed
+// before it runs. Thread: set-up only; sealed arenas are read-only facts.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +21,8 @@ class Arena {
   Arena(const Arena&) = delete;
   Arena& operator=(const Arena&) = delete;
 
-  // `count` zeroed elements, aligned to kAlignment. Asking for more than is left, or after seal(), is
-  // a programmer's error: plan with ArenaPlan, the same code path, first.
+  // `count` zeroed elements, aligned to kAlignment. Asking for more than is left, or after seal(),
+  // is a programmer's error: plan with ArenaPlan, the same code path, first.
   template <class T>
   std::span<T> take(std::size_t count) {
     static_assert(std::is_trivially_destructible_v<T>);

@@ -1,5 +1,5 @@
-// BINPICK_ASSERT: a programmer's error ends the process, in release builds too. Wrong input is never
-// an assertion: it is a Result or, at start, an exception.
+// BINPICK_ASSERT: a programmer's error ends the process, in release builds too. Wrong input is
+// never an assertion: it is a Result or, at start, an exception.
 #pragma once
 
 namespace binpick {
@@ -8,5 +8,6 @@ namespace binpick {
 
 }  // namespace binpick
 
-#define BINPICK_ASSERT(expression) \
-  ((expression) ? static_cast<void>(0) : ::binpick::assertion_failed(#expression, __FILE__, __LINE__))
+#define BINPICK_ASSERT(expression)     \
+  ((expression) ? static_cast<void>(0) \
+                : ::binpick::assertion_failed(#expression, __FILE__, __LINE__))

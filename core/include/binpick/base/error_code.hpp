@@ -1,5 +1,5 @@
-// Every way in which an operation of core can fail. The numbers leave the process (status registers,
-// recordings): a number is never reused and never changes its meaning.
+// Every way in which an operation of core can fail. The numbers leave the process (status
+// registers, recordings): a number is never reused and never changes its meaning.
 #pragma once
 
 namespace binpick {
@@ -7,20 +7,20 @@ namespace binpick {
 enum class ErrorCode : int {
   kNone = 0,
   // Frames
-  kFrameEmpty = 100,          // zero width or height, or no depth and no intensity
-  kFrameSizeMismatch = 101,   // depth and intensity differ in size
-  kFrameTooLarge = 102,       // larger than the detector was built for
-  kIntrinsicsInvalid = 103,   // focal length not positive or not finite
-  kRoiOutsideImage = 104,     // the region of interest shares no pixel with the image
-  kRoiTooLarge = 105,         // larger than the detector was built for
+  kFrameEmpty = 100,         // zero width or height, or no depth and no intensity
+  kFrameSizeMismatch = 101,  // depth and intensity differ in size
+  kFrameTooLarge = 102,      // larger than the detector was built for
+  kIntrinsicsInvalid = 103,  // focal length not positive or not finite
+  kRoiOutsideImage = 104,    // the region of interest shares no pixel with the image
+  kRoiTooLarge = 105,        // larger than the detector was built for
   // Models
-  kModelTruncated = 200,      // shorter than its header says
-  kModelForeign = 201,        // not a model file at all
-  kModelVersion = 202,        // a version that this build does not read
-  kModelChecksum = 203,       // checksum differs: damaged
-  kModelInconsistent = 204,   // counts, offsets or indices that contradict each other
-  kModelCameraMismatch = 205, // trained for another camera, and re-scaling cannot bridge it
-  kModelIndexUnknown = 206,   // the request names a model that was not loaded
+  kModelTruncated = 200,       // shorter than its header says
+  kModelForeign = 201,         // not a model file at all
+  kModelVersion = 202,         // a version that this build does not read
+  kModelChecksum = 203,        // checksum differs: damaged
+  kModelInconsistent = 204,    // counts, offsets or indices that contradict each other
+  kModelCameraMismatch = 205,  // trained for another camera, and re-scaling cannot bridge it
+  kModelIndexUnknown = 206,    // the request names a model that was not loaded
   // Memory
   kArenaTooSmall = 300,
 };

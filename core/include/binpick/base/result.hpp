@@ -12,8 +12,9 @@ namespace binpick {
 
 struct Error {
   ErrorCode code = ErrorCode::kNone;
-  long long detail = 0;   // a number that helps: an offset, a size, an index; meaning depends on code
-  const char* where = ""; // string literal: what was being read or checked
+  long long detail =
+      0;  // a number that helps: an offset, a size, an index; meaning depends on code
+  const char* where = "";  // string literal: what was being read or checked
 };
 
 // One English sentence for an error code; a string literal.

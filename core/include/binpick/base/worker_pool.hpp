@@ -9,9 +9,9 @@ class WorkerPool {
   // Number of threads that run tasks, the calling one included; at least 1.
   virtual int thread_count() const = 0;
 
-  // Runs task(index, thread) for every index in [0, count), in any order, on any of the threads, and
-  // returns when all are done. `thread` is in [0, thread_count()) and no two tasks run at once with
-  // the same value, so it may choose a scratch buffer. Results must not depend on it.
+  // Runs task(index, thread) for every index in [0, count), in any order, on any of the threads,
+  // and returns when all are done. `thread` is in [0, thread_count()) and no two tasks run at once
+  // with the same value, so it may choose a scratch buffer. Results must not depend on it.
   template <class Task>
   void parallel_for(int count, Task&& task) {
     run(count, &trampoline<Task>, &task);

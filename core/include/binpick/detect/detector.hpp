@@ -1,29 +1,29 @@
-// Finds the poses of trained parts in a frame: feature pyramids, exhaustive scan of the tree's scan depth,
-// coarse-to-fine descent on rearranged maps, suppression, PnP, ICP, refinement, verification (paper section III-D
-// and beyond). Takes all its memory from an arena when it is made; detect() allocates nothing,
-// throws nothing and answers the same bits on any number of threads.
-// Thread: one detect() at a time.
+// Finds the poses of trained parts in a frame: feature pyramids, exhaustive scan of the tree's scan
+// depth, coarse-to-fine descent on rearranged maps, suppression, PnP, ICP, refinement, verification
+// (paper section III-D and beyond). Takes all its memory from an arena when it is made; detect()
+// allocates nothing, throws nothing and answers the same bits on any number of threads. Thread: one
+// detect() at a time.
 #pragma once
 
 #include <cstdint>
 #include <span>
 
 #include "binpick/base/arena.hpp"
+#include "binpick/base/clock.hpp"
 #include "binpick/base/result.hpp"
 #include "binpick/base/worker_pool.hpp"
-#include "binpick/detect/detection.hpp"
 #include "binpick/frame/frame.hpp"
 #include "binpick/model/object_model.hpp"
+#include "binpick/report/detection.hpp"
+#include "binpick/search/map_layout.hpp"
 #include "binpick/simd/isa.hpp"
 
 namespace binpick {
 
-enum class MapLayout { kRearranged, kPlain };
-
 // The largest problem a detector is built for; memory is sized by this.
 struct DetectorLimits {
   int image_width = 1280, image_height = 1024;
-  int roi_width = 0, roi_height = 0;   // 0: the whole image
+  int roi_width = 0, roi_height = 0;  // 0: the whole image
   int results_max = 128;
 };
 
@@ -39,9 +39,6 @@ struct DetectRequest {
   double min_score = 0.5;
 };
 
-// Monotonic time in ns; core reads no clock of its own. Null: all stage times are 0.
-using ClockFn = std::int64_t (*)();
-
 class Detector {
  public:
   // Bytes of arena that a detector with these limits takes.
@@ -55,8 +52,9 @@ class Detector {
   Detector(const Detector&) = delete;
   Detector& operator=(const Detector&) = delete;
 
-  // Errors: frame empty, sizes differ or exceed the limits, intrinsics invalid, ROI outside the image, model
-  // trained for a camera that re-scaling cannot bridge. An all-invalid frame is an empty report.
+  // Errors: frame empty, sizes differ or exceed the limits, intrinsics invalid, ROI outside the
+  // image, model trained for a camera that re-scaling cannot bridge. An all-invalid frame is an
+  // empty report.
   Result<DetectionReport> detect(const Frame& frame, const DetectRequest& request) noexcept;
 
  private:

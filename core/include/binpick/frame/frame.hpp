@@ -1,5 +1,5 @@
-// The one frame type: every sensor, recording and test double produces it, every stage reads it.
-// A Frame borrows its pixels; who fills the buffers keeps them alive for the call.
+// The one frame type: every sensor, recording and test double produces it, every stage reads it. A
+// Frame borrows its pixels; who fills the buffers keeps them alive for the call.
 #pragma once
 
 #include <cstdint>

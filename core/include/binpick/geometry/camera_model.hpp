@@ -21,7 +21,9 @@ struct CameraIntrinsics {
     return {(u - cx) / fx * depth_mm, (v - cy) / fy * depth_mm, depth_mm};
   }
   // Unit vector along the ray of pixel (u, v).
-  Vec3 ray(double u, double v) const { return Vec3((u - cx) / fx, (v - cy) / fy, 1.0).normalized(); }
+  Vec3 ray(double u, double v) const {
+    return Vec3((u - cx) / fx, (v - cy) / fy, 1.0).normalized();
+  }
   // The same camera after averaging 2^level x 2^level pixel blocks into one.
   CameraIntrinsics at_level(int level) const;
 };

@@ -1,7 +1,7 @@
 // A trained part, read in place from the bytes of a model file. ObjectModel borrows: whoever loaded
 // the bytes keeps them alive and unchanged. parse() checks everything (magic, version, checksum,
-// bounds of each table, each index), so that afterwards every access is valid whatever the file's origin.
-// Thread-safe: immutable.
+// bounds of each table, each index), so that afterwards every access is valid whatever the file's
+// origin. Thread-safe: immutable.
 #pragma once
 
 #include <cstddef>
@@ -14,33 +14,38 @@
 
 namespace binpick {
 
+struct ModelHeader;
+
 inline constexpr int kModelDepthsMax = 4;
+inline constexpr int kModelDistancesMax = 64;  // at one depth
+inline constexpr std::size_t kModelScanTemplatesMax = 65536;  // at the scan depth
 
 // What the model was trained for; written to the file as it stands here, little-endian.
 struct ModelInfo {
-  std::uint64_t source_hash;      // FNV-1a 64 of the CAD file
+  std::uint64_t source_hash;  // FNV-1a 64 of the CAD file
   std::uint64_t seed;
   CameraIntrinsics camera;
   double distance_min_mm, distance_max_mm;
-  double reference_distance_mm;   // templates are stored as seen from here
+  double reference_distance_mm;  // templates are stored as seen from here
   double tilt_max_deg;
   double diameter_mm;
   double bounds_min_mm[3], bounds_max_mm[3];
   double tilt_jitter_deg, roll_jitter_deg, distance_jitter_mm;
   std::int32_t samples, gradient_threshold, normal_threshold;
-  std::int32_t base_level;        // pyramid level (1/2^base_level of the image) of the leaves at reference distance
-  std::int32_t scan_depth;        // the tree depth whose templates are scanned exhaustively
+  std::int32_t base_level;  // pyramid level (1/2^base_level of the image) of the leaves at
+                            // reference distance
+  std::int32_t scan_depth;  // the tree depth whose templates are scanned exhaustively
   std::int32_t depth_count;
   std::int32_t triangle_count;
-  std::int32_t source_unit;       // 0 guessed mm, 1 mm, 2 m, 3 inch
+  std::int32_t source_unit;  // 0 guessed mm, 1 mm, 2 m, 3 inch
   NormalCodebook normal_codebook;
   std::uint8_t reserved[7];
 };
 
-// One pixel of a template, both modalities (paper eq. 1): offset from the projection of the object's origin
-// in pixels of its pyramid level, bits of the accepted orientations and their weights. A modality
-// that says nothing here has weight 0 and no bits. At depths below the scan depth x and y are even: the
-// rearranged maps hold a block for every second pixel.
+// One pixel of a template, both modalities (paper eq. 1): offset from the projection of the
+// object's origin in pixels of its pyramid level, bits of the accepted orientations and their
+// weights. A modality that says nothing here has weight 0 and no bits. At depths below the scan
+// depth x and y are even: the rearranged maps hold a block for every second pixel.
 struct Feature {
   std::int8_t x, y;
   std::uint8_t gradient_bits, gradient_weight;
@@ -57,15 +62,17 @@ struct TemplateRange {
   std::uint16_t reserved;
 };
 
-// A viewpoint of the subdivided icosahedron. R_view_obj at roll 0 takes object axes to the axes of a
-// camera that looks at the object from here.
+// A viewpoint of the subdivided icosahedron. R_view_obj at roll 0 takes object axes to the axes of
+// a camera that looks at the object from here.
 struct Viewpoint {
-  float R_view_obj[9];          // row-major
-  std::int32_t parent;          // index at the depth above; -1 at depth 0
-  std::int32_t child_first;     // children at the depth below are consecutive
+  float R_view_obj[9];       // row-major
+  std::int32_t parent;       // index at the depth above; -1 at depth 0
+  std::int32_t child_first;  // children at the depth below are consecutive
   std::int32_t child_count;
   std::uint32_t surface_first, surface_count;  // leaves only: samples seen from here
   std::uint32_t contour_first, contour_count;
+  float sample_area_mm2;  // leaves only: projected area, at the reference distance, that one
+                          // surface sample stands for
 };
 
 // One depth of the balanced pose tree: the product of viewpoints, rolls and distances.
@@ -85,8 +92,8 @@ struct SurfaceSample {
 // A point of the contour generator or of a sharp crease, in object coordinates.
 struct ContourSample {
   float position_mm[3];
-  float tangent[3];       // unit direction of the edge
-  float is_silhouette;    // 1: depth jumps here; 0: a crease
+  float tangent[3];     // unit direction of the edge
+  float is_silhouette;  // 1: depth jumps here; 0: a crease
 };
 
 class ObjectModel {
@@ -114,6 +121,9 @@ class ObjectModel {
 
  private:
   ObjectModel() = default;
+  Error read_depth(std::span<const std::uint8_t> bytes, const ModelHeader& header, int d);
+  Error check_viewpoints(int d) const;
+
   const ModelInfo* info_ = nullptr;
   TreeDepth depths_[kModelDepthsMax];
   std::span<const Feature> features_;

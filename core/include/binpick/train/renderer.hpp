@@ -27,8 +27,8 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  // Renders the mesh at T_cam_obj into `out` (resized to camera.width x camera.height, at most
-  // the maximum sizes). The camera is an exact pinhole with cx, cy anywhere, integer coordinates at
+  // Renders the mesh at T_cam_obj into `out` (resized to camera.width x camera.height, at most the
+  // maximum sizes). The camera is an exact pinhole with cx, cy anywhere, integer coordinates at
   // pixel centres. What is nearer than 1 mm to the camera's plane, or behind it, is cut away. The
   // same input gives the same bytes on every thread. Throws RenderError when memory runs out.
   void render(const CameraIntrinsics& camera, const Pose& T_cam_obj, RenderedView& out);

@@ -1,7 +1,8 @@
-// CAD to model file: renders the part from all around, accumulates orientation histograms (PCOF-MOD,
-// paper section III-A), builds the balanced pose tree bottom-up (section III-B, Algorithm 1) and
-// the per-viewpoint surface and contour samples that refinement and verification use.
-// The defaults are the paper's. Same mesh, options and seed give the same bytes on any number of threads.
+// CAD to model file: renders the part from all around, accumulates orientation histograms
+// (PCOF-MOD, paper section III-A), builds the balanced pose tree bottom-up (section III-B,
+// Algorithm 1) and the per-viewpoint surface and contour samples that refinement and verification
+// use. The defaults are the paper's. Same mesh, options and seed give the same bytes on any number
+// of threads.
 #pragma once
 
 #include <cstdint>
@@ -20,22 +21,23 @@ struct TrainOptions {
   CameraIntrinsics camera;       // of the sensor that will be used
   double distance_min_mm = 500;  // camera to object origin
   double distance_max_mm = 700;
-  double tilt_max_deg = 180;     // viewpoints within this angle of the object's +z axis; 180: all around
+  double tilt_max_deg =
+      180;  // viewpoints within this angle of the object's +z axis; 180: all around
   // PCOF-MOD (section III-A)
-  int samples = 1000;                 // N, randomized renderings per template
-  int gradient_threshold = 100;       // Th of the gradient histograms, of `samples`
-  int normal_threshold = 200;         // Th of the normal histograms, of `samples`
-  double tilt_jitter_deg = 10;        // +- around x and y
-  double roll_jitter_deg = 7.5;       // +- around the optical axis
-  double distance_jitter_mm = 90;     // +-
+  int samples = 1000;              // N, randomized renderings per template
+  int gradient_threshold = 100;    // Th of the gradient histograms, of `samples`
+  int normal_threshold = 200;      // Th of the normal histograms, of `samples`
+  double tilt_jitter_deg = 10;     // +- around x and y
+  double roll_jitter_deg = 7.5;    // +- around the optical axis
+  double distance_jitter_mm = 90;  // +-
   // Balanced pose tree (section III-B)
-  double roll_interval_deg = 6;       // at the leaves; rounded so that it halves evenly to the roots
-  double distance_interval_mm = 70;   // at the leaves, at most
-  int tree_depths = 4;                // 12, 42, 162, 642 viewpoints
+  double roll_interval_deg = 6;      // at the leaves; rounded so that it halves evenly to the roots
+  double distance_interval_mm = 70;  // at the leaves, at most
+  int tree_depths = 4;               // 12, 42, 162, 642 viewpoints
   // Ours
   NormalCodebook normal_codebook = NormalCodebook::kHemisphere;
-  int contour_features = 56;          // pixels of a template with a gradient orientation, at most
-  int surface_features = 40;          // further pixels with a normal orientation only, at most
+  int contour_features = 56;  // pixels of a template with a gradient orientation, at most
+  int surface_features = 40;  // further pixels with a normal orientation only, at most
   std::uint64_t seed = 1;
 };
 

@@ -11,15 +11,15 @@ namespace binpick {
 
 // One accepted pose.
 struct Detection {
-  int model_index = 0;        // index into the models the detector was made with
-  Pose T_cam_obj;             // object to camera, mm
-  double score = 0;           // verification score in [0, 1]
+  int model_index = 0;          // index into the models the detector was made with
+  Pose T_cam_obj;               // object to camera, mm
+  double score = 0;             // verification score in [0, 1]
   double visible_fraction = 0;  // share of the model's visible surface that the scene does not hide
-  double depth_support = 0;   // of the visible surface with a measurement: share that agrees
-  double contour_support = 0; // share of the visible contour that lies on an image or depth edge
+  double depth_support = 0;     // of the visible surface with a measurement: share that agrees
+  double contour_support = 0;   // share of the visible contour that lies on an image or depth edge
   double depth_residual_mm = 0;  // median |point-to-plane residual| over the supported surface
-  double template_score = 0;  // sum of the two modalities' scores at the matched leaf, in [0, 2]
-  int template_index = -1;    // the matched leaf of the pose tree
+  double template_score = 0;     // sum of the two modalities' scores at the matched leaf, in [0, 2]
+  int template_index = -1;       // the matched leaf of the pose tree
 };
 
 // Why a candidate did not become a detection.
@@ -37,7 +37,17 @@ enum class DropReason : int {
 inline constexpr int kDropReasonCount = 9;
 const char* drop_reason_name(DropReason reason);  // snake_case, as written to JSON
 
-enum class Stage : int { kPyramid = 0, kScan, kDescend, kSuppress, kPnp, kIcp, kRefine, kVerify, kExplain };
+enum class Stage : int {
+  kPyramid = 0,
+  kScan,
+  kDescend,
+  kSuppress,
+  kPnp,
+  kIcp,
+  kRefine,
+  kVerify,
+  kExplain
+};
 inline constexpr int kStageCount = 9;
 const char* stage_name(Stage stage);
 
@@ -47,10 +57,11 @@ struct DetectionReport {
   std::span<const Detection> detections;  // best score first; valid until the next detect()
   std::array<double, kStageCount> stage_ms{};
   double total_ms = 0;
-  int level_count = 0;                                  // depths of the deepest tree that was searched
-  std::array<int, kTreeLevelsMax> candidates{};         // kept at tree depth d, all models
-  std::array<std::int64_t, kTreeLevelsMax> templates_evaluated{};  // template x block matches at depth d
-  std::array<double, kTreeLevelsMax> level_ms{};        // search time at depth d
+  int level_count = 0;                           // depths of the deepest tree that was searched
+  std::array<int, kTreeLevelsMax> candidates{};  // kept at tree depth d, all models
+  std::array<std::int64_t, kTreeLevelsMax>
+      templates_evaluated{};                      // template x block matches at depth d
+  std::array<double, kTreeLevelsMax> level_ms{};  // search time at depth d
   std::array<int, kDropReasonCount> dropped{};
 };
 

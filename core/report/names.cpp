@@ -1,0 +1,53 @@
+#include "binpick/report/detection.hpp"
+
+namespace binpick {
+
+const char* drop_reason_name(DropReason reason) {
+  switch (reason) {
+    case DropReason::kBelowMatchThreshold:
+      return "below_match_threshold";
+    case DropReason::kLevelLimit:
+      return "level_limit";
+    case DropReason::kDuplicate:
+      return "duplicate";
+    case DropReason::kPoseDiverged:
+      return "pose_diverged";
+    case DropReason::kTooHidden:
+      return "too_hidden";
+    case DropReason::kContradicted:
+      return "contradicted";
+    case DropReason::kBelowMinScore:
+      return "below_min_score";
+    case DropReason::kOverlapsBetter:
+      return "overlaps_better";
+    case DropReason::kResultLimit:
+      return "result_limit";
+  }
+  return "unknown";
+}
+
+const char* stage_name(Stage stage) {
+  switch (stage) {
+    case Stage::kPyramid:
+      return "pyramid";
+    case Stage::kScan:
+      return "scan";
+    case Stage::kDescend:
+      return "descend";
+    case Stage::kSuppress:
+      return "suppress";
+    case Stage::kPnp:
+      return "pnp";
+    case Stage::kIcp:
+      return "icp";
+    case Stage::kRefine:
+      return "refine";
+    case Stage::kVerify:
+      return "verify";
+    case Stage::kExplain:
+      return "explain";
+  }
+  return "unknown";
+}
+
+}  // namespace binpick
