@@ -106,12 +106,11 @@ Result<Roi> region_of(const Frame& frame, const DetectorPlan& plan) {
   Roi region;
   region.x = std::max(0, left - kRegionMarginPx) / align * align;
   region.y = std::max(0, top - kRegionMarginPx) / align * align;
+  // Rounded up: what lies beyond the image is no measurement.
   region.width =
-      (std::min(width, static_cast<int>(right) + kRegionMarginPx) - region.x) / align * align;
+      rounded_up(std::min(width, static_cast<int>(right) + kRegionMarginPx) - region.x, align);
   region.height =
-      (std::min(height, static_cast<int>(bottom) + kRegionMarginPx) - region.y) / align * align;
-  if (region.width < 8 * align || region.height < 8 * align)
-    return Error{ErrorCode::kFrameEmpty, region.width, "region too small to search"};
+      rounded_up(std::min(height, static_cast<int>(bottom) + kRegionMarginPx) - region.y, align);
   if (region.width > plan.pyramid.width_max || region.height > plan.pyramid.height_max)
     return Error{ErrorCode::kRoiTooLarge, region.width, "roi"};
   return region;

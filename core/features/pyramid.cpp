@@ -159,19 +159,18 @@ void FeaturePyramid::copy_level_zero(const Frame& frame, WorkerPool& pool) {
   for_rows(pool, level.height, [&](int y) {
     std::uint8_t* gray = level.gray + y * level.stride;
     float* depth = level.depth_mm + y * level.stride;
-    if (frame.intensity.empty()) {
-      std::memset(gray, 0, static_cast<std::size_t>(level.width));
-    } else {
-      std::memcpy(gray, frame.intensity.row(region_.y + y) + region_.x,
-                  static_cast<std::size_t>(level.width));
+    std::fill_n(gray, level.width, std::uint8_t{0});
+    std::fill_n(depth, level.width, 0.0f);
+    const int row = region_.y + y;
+    if (row < frame.intensity.height) {
+      const int width = std::min(level.width, frame.intensity.width - region_.x);
+      std::copy_n(frame.intensity.row(row) + region_.x, width, gray);
     }
-    if (frame.depth_mm.empty()) {
-      std::fill_n(depth, level.width, 0.0f);
-    } else {
-      const float* from = frame.depth_mm.row(region_.y + y) + region_.x;
+    if (row < frame.depth_mm.height) {
+      const int width = std::min(level.width, frame.depth_mm.width - region_.x);
+      const float* from = frame.depth_mm.row(row) + region_.x;
       // NaN, infinite and negative values mean no measurement.
-      for (int x = 0; x < level.width; ++x)
-        depth[x] = from[x] > 0 && from[x] < 1e6f ? from[x] : 0.0f;
+      for (int x = 0; x < width; ++x) depth[x] = from[x] > 0 && from[x] < 1e6f ? from[x] : 0.0f;
     }
   });
 }

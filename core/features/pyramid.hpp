@@ -46,8 +46,8 @@ class FeaturePyramid {
   static std::size_t footprint(const PyramidPlan& plan);
   FeaturePyramid(const PyramidPlan& plan, Arena& arena);
 
-  // Fills all levels from the pixels of `region` (which lies in the frame, its origin at multiples
-  // of 2^(levels-1), at most width_max x height_max).
+  // Fills all levels from the pixels of `region` (which may reach beyond the frame; its origin at
+  // multiples of 2^(levels-1), at most width_max x height_max).
   void build(const Frame& frame, const Roi& region, NormalCodebook codebook,
              const simd::KernelTable& kernels, WorkerPool& pool);
 

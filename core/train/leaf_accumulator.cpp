@@ -11,9 +11,9 @@ namespace {
 
 // Votes are whole numbers: a sample has this many, split between neighbouring bins.
 constexpr int kVoteUnits = 3;
-// Normals vary slowly over a surface: of each rendering every 8th pixel votes, for a cell of 2x2
-// pixels, which makes half a vote per sample and cell; each counts double.
-constexpr int kSurfaceStride = 8;
+// Of each rendering every 8th surface pixel votes (every second of the pooled ones), for a cell of
+// 2x2 pixels, which makes half a vote per sample and cell; each counts double.
+constexpr int kSurfaceStride = 8 / kPooledSurfaceStride;
 constexpr int kSurfaceVote = 2 * kVoteUnits;
 // Different renderings that a viewpoint should find within its tilt jitter.
 constexpr double kRenderingsPerViewpoint = 80;

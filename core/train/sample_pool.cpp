@@ -54,6 +54,17 @@ bool crease_angle(const RenderedView& view, int x, int y, float& angle_rad) {
   return true;
 }
 
+void thin_surface(int first, RenderedSample& sample) {
+  std::vector<SurfacePoint> kept;
+  kept.reserve(sample.surface.size() / kPooledSurfaceStride + 1);
+  for (std::size_t i = static_cast<std::size_t>(first); i < sample.surface.size();
+       i += kPooledSurfaceStride) {
+    kept.push_back(sample.surface[i]);
+  }
+  sample.surface = std::move(kept);
+  sample.contour.shrink_to_fit();
+}
+
 }  // namespace
 
 TemplateCamera make_template_camera(const TrainOptions& options, const MeshBounds& bounds) {
@@ -153,6 +164,7 @@ std::vector<RenderedSample> make_sample_pool(const Mesh& centred_mesh, const Tra
     renderers[thread]->render(camera.intrinsics, {s.R_view_obj, Vec3(0, 0, s.distance_mm)},
                               views[thread]);
     extract_features(views[thread], camera.intrinsics, s);
+    thin_surface(i % kPooledSurfaceStride, s);
     if (progress && thread == 0)
       progress(static_cast<double>(i) / static_cast<double>(samples.size()));
   });

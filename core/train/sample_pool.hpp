@@ -52,6 +52,10 @@ TemplateCamera make_template_camera(const TrainOptions& options, const MeshBound
 void extract_features(const RenderedView& view, const CameraIntrinsics& camera,
                       RenderedSample& out);
 
+// Of a pooled rendering's surface points only every fourth is kept: normals vary slowly, and the
+// lists of a viewpoint's samples have to stay in the cache while all its rolls are made.
+inline constexpr int kPooledSurfaceStride = 4;
+
 // Renders `count` viewpoints; those farther than the tilt limit allows are left out.
 std::vector<RenderedSample> make_sample_pool(const Mesh& centred_mesh, const TrainOptions& options,
                                              const TemplateCamera& camera, int count,

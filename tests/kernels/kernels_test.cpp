@@ -238,7 +238,7 @@ TEST_P(Kernels, GradientRowAgreesOnTheStrongestEdges) {
 }
 
 INSTANTIATE_TEST_SUITE_P(EachIsa, Kernels, testing::ValuesIn(kAllIsas),
-                         [](const auto& info) { return std::string(isa_name(info.param)); });
+                         [](const auto& unit) { return std::string(isa_name(unit.param)); });
 
 TEST(Isa, NamesAreReadBack) {
   for (const Isa isa : kAllIsas) {

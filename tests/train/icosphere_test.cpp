@@ -40,7 +40,7 @@ TEST(Icosphere, Has12Then42Then162Then642Vertices) {
 TEST(Icosphere, HasVerticesOfUnitLengthThatAllDiffer) {
   const Icosphere sphere = make_icosphere(kSubdivisions);
   for (const Vec3& v : sphere.vertices) EXPECT_NEAR(v.norm(), 1, 1e-12);
-  EXPECT_GT(*std::ranges::min_element(neighbour_angles_deg(sphere, kSubdivisions - 1)), 5);
+  EXPECT_GT(std::ranges::min(neighbour_angles_deg(sphere, kSubdivisions - 1)), 5);
 }
 
 TEST(Icosphere, SplitsEachEdgeOnceSoThatEulersFormulaHolds) {
