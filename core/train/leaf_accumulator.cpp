@@ -15,6 +15,9 @@ constexpr int kVoteUnits = 3;
 // 2x2 pixels, which makes half a vote per sample and cell; each counts double.
 constexpr int kSurfaceStride = 8 / kPooledSurfaceStride;
 constexpr int kSurfaceVote = 2 * kVoteUnits;
+// Every second contour pixel votes, twice: neighbours on a contour say the same.
+constexpr std::size_t kContourStride = 2;
+constexpr int kContourVote = static_cast<int>(kContourStride) * kVoteUnits;
 // Different renderings that a viewpoint should find within its tilt jitter.
 constexpr double kRenderingsPerViewpoint = 80;
 
@@ -129,7 +132,9 @@ void LeafAccumulator::splat(const AlignedSample& aligned, float roll_rad, int su
   const float centre = static_cast<float>(radius_) + 0.5f;
   const unsigned size = static_cast<unsigned>(2 * radius_);
   unsigned row_first = size, row_last = 0;
-  for (const ContourPoint& p : sample.contour) {
+  for (std::size_t i = static_cast<std::size_t>(surface_start) % kContourStride;
+       i < sample.contour.size(); i += kContourStride) {
+    const ContourPoint& p = sample.contour[i];
     const unsigned x = static_cast<unsigned>(static_cast<int>(c * p.x - s * p.y + centre));
     const unsigned y = static_cast<unsigned>(static_cast<int>(s * p.x + c * p.y + centre));
     if (x >= size || y >= size) continue;
@@ -138,7 +143,7 @@ void LeafAccumulator::splat(const AlignedSample& aligned, float roll_rad, int su
     const float position = (p.angle_rad + turn) * (kOrientationBins / kPi) + 64;
     const int bin = static_cast<int>(position);
     add_split_vote(out.gradient.cell(static_cast<int>(x), static_cast<int>(y)), bin & 7,
-                   (bin + 1) & 7, position - static_cast<float>(bin), kVoteUnits);
+                   (bin + 1) & 7, position - static_cast<float>(bin), kContourVote);
   }
   const unsigned cells = size / 2;
   const float cell_centre = static_cast<float>(radius_) / 2 + 0.5f;

@@ -12,7 +12,7 @@
 namespace binpick::train {
 namespace {
 
-constexpr double kLeafDiameterPxMax = 128;
+constexpr double kLeafDiameterPxMax = 100;
 constexpr double kDiameterPxMin = 12;
 // Narrower than this at the top of the pyramid, a part has no shape left: the scan starts one depth
 // further down. (Not further: the cost of a scan grows sixteenfold per depth.)

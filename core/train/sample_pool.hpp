@@ -41,7 +41,7 @@ struct TemplateCamera {
   double reference_distance_mm = 0;
 };
 
-// Chooses the pyramid level of the leaves so that the part's diameter spans 64 to 128 px there
+// Chooses the pyramid level of the leaves so that the part's diameter spans 50 to 100 px there
 // (fewer only where the image itself has fewer), and the depth at which the search starts: the
 // coarsest one where the part's middle extent still spans enough pixels to have a shape. Throws
 // TrainError when the part would be too small to be seen or the camera inside it.
