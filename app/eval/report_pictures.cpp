@@ -21,8 +21,12 @@ std::vector<ReportPicture> worst_pictures(const drivers::BopDataset& dataset, co
   constexpr int kMargin_px = 40;
   std::vector<ReportPicture> pictures;
   for (const FrameOutcome& outcome : worst_frames(score, plan.truth, rows, count_max)) {
-    const drivers::LoadedFrame frame =
-        dataset.load_frame(plan.scenes.at(outcome.frame.scene_id), outcome.frame.im_id);
+    drivers::LoadedFrame frame;
+    try {
+      frame = dataset.load_frame(plan.scenes.at(outcome.frame.scene_id), outcome.frame.im_id);
+    } catch (const drivers::DatasetError&) {
+      continue;  // everything in it counts as missed; the report names it among the faults
+    }
     const train::Mesh& mesh = parts.at(outcome.part->obj_id).imported.mesh;
     OverlayPainter painter(frame.camera);
     const Picture picture = painter.paint(without_noise(background_of(frame.view())),

@@ -9,8 +9,8 @@
 
 namespace binpick::app {
 
-// Reads the frames again and draws on them what was right, wrong and missed. Throws DatasetError,
-// RenderError.
+// Reads the frames again and draws on them what was right, wrong and missed; a frame that cannot be
+// read is left out. Throws RenderError.
 std::vector<ReportPicture> worst_pictures(const drivers::BopDataset& dataset, const EvalPlan& plan,
                                           const PartLibrary& parts, const ScoreReport& score,
                                           const std::vector<ResultRow>& rows,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <atomic>
 
+#include "search/distance_gate.hpp"
+
 namespace binpick {
 namespace {
 
@@ -28,10 +30,13 @@ int match_children(const DescendContext& context, int depth, const Candidate& pa
       model.depth(depth - 1).viewpoints[static_cast<std::size_t>(parent.viewpoint)];
   const ScalePlan& plan = context.plans[parent.model];
   const PyramidLevel& level = context.pyramid.level(parent.level - 1);
+  const PyramidLevel& seen = context.pyramid.level(parent.level);
+  const DistanceGate gate(model);
   BestChildren best{out};
   int matched = 0;
   for (int k = 2 * parent.distance; k < std::min(2 * parent.distance + 2, below.distance_count);
        ++k) {
+    if (!gate.allows(seen, parent.x, parent.y, depth, k)) continue;
     const int scale_q8 = plan.scale_q8[depth][k];
     for (int v = view.child_first; v < view.child_first + view.child_count; ++v) {
       for (int r = 2 * parent.roll; r < 2 * parent.roll + 2; ++r) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/arena_plan.hpp"
+#include "search/distance_gate.hpp"
 
 namespace binpick {
 namespace {
@@ -113,7 +114,10 @@ int Scanner::scan(const ObjectModel& model, int model_index, int distance_index,
   pool.parallel_for(
       rows, [&](int y, int thread) { scan_cell_row(y, level, kernels, threshold, thread); });
   std::size_t count = 0;
+  const DistanceGate gate(model);
   for (int i = 0; i < rows * columns_; ++i) {
+    const int x = 2 * (i % columns_), y = 2 * (i / columns_);
+    if (!gate.allows(level, x, y, model.info().scan_depth, distance_index)) continue;
     for (int k = 0; k < kTemplatesPerCell; ++k) {
       const CellEntry& e = cells_[static_cast<std::size_t>(i * kTemplatesPerCell + k)];
       if (e.score < threshold) break;
@@ -123,8 +127,8 @@ int Scanner::scan(const ObjectModel& model, int model_index, int distance_index,
       }
       const Template& t = templates_[e.template_index];
       Candidate c;
-      c.x = static_cast<std::int16_t>(2 * (i % columns_));
-      c.y = static_cast<std::int16_t>(2 * (i / columns_));
+      c.x = static_cast<std::int16_t>(x);
+      c.y = static_cast<std::int16_t>(y);
       c.viewpoint = t.viewpoint;
       c.roll = t.roll;
       c.distance = static_cast<std::int16_t>(distance_index);

@@ -11,6 +11,11 @@ namespace {
 
 // Votes are whole numbers: a sample has this many, split between neighbouring bins.
 constexpr int kVoteUnits = 3;
+// Weight of a block of rolls that counts fully; less where there are many samples. 16 bits have to
+// hold the votes of all samples for one bin, and up to 2.7 times as many: several pixels of a
+// rendering may fall onto one.
+constexpr int kBlockWeightMax = 8;
+constexpr int kWeightedSamplesMax = 8000;
 // Of each rendering every 8th surface pixel votes (every second of the pooled ones), for a cell of
 // 2x2 pixels, which makes half a vote per sample and cell; each counts double.
 constexpr int kSurfaceStride = 8 / kPooledSurfaceStride;
@@ -53,11 +58,12 @@ void add_weighted(const HistogramGrid<std::uint16_t>& block, int weight, std::si
 RollBlocks make_roll_blocks(const TrainOptions& options, int leaf_roll_count) {
   RollBlocks blocks;
   blocks.count = 2 * leaf_roll_count;
-  const double per_side = options.roll_jitter_deg / (360.0 / blocks.count);
+  // Less than a block on either side is not resolved.
+  const double per_side = std::max(1.0, options.roll_jitter_deg / (360.0 / blocks.count));
   blocks.full_per_side = static_cast<int>(per_side);
+  blocks.full_weight = std::clamp(kWeightedSamplesMax / options.samples, 1, kBlockWeightMax);
   blocks.outer_weight =
-      static_cast<int>(std::lround((per_side - blocks.full_per_side) * kBlockWeight));
-  if (blocks.full_per_side == 0 && blocks.outer_weight == 0) blocks.outer_weight = 1;
+      static_cast<int>(std::lround((per_side - blocks.full_per_side) * blocks.full_weight));
   blocks.samples_per_block =
       std::max(1, static_cast<int>(std::lround(options.samples / (2 * per_side))));
   return blocks;
@@ -80,7 +86,7 @@ LeafAccumulator::LeafAccumulator(const std::vector<RenderedSample>& samples,
     b = {HistogramGrid<std::uint16_t>(size), HistogramGrid<std::uint16_t>(size / 2), 0, 0};
   sums_.gradient = HistogramGrid<std::uint16_t>(size);
   sums_.normal = HistogramGrid<std::uint16_t>(size / 2);
-  sums_.votes = 2 * (blocks.full_per_side * kBlockWeight + blocks.outer_weight) *
+  sums_.votes = 2 * (blocks.full_per_side * blocks.full_weight + blocks.outer_weight) *
                 blocks.samples_per_block * kVoteUnits;
 }
 
@@ -179,7 +185,7 @@ void LeafAccumulator::sum_window(int roll) {
     const bool outer =
         b < 2 * roll + 1 - blocks_.full_per_side || b >= 2 * roll + 1 + blocks_.full_per_side;
     const Block& block = slot_of(b);
-    const int weight = outer ? blocks_.outer_weight : kBlockWeight;
+    const int weight = outer ? blocks_.outer_weight : blocks_.full_weight;
     const std::size_t normal_row = static_cast<std::size_t>(sums_.normal.size) * kOrientationBins;
     const auto first = static_cast<std::size_t>(block.row_first),
                end = static_cast<std::size_t>(std::max(block.row_first, block.row_end));

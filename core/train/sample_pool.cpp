@@ -13,6 +13,8 @@ namespace binpick::train {
 namespace {
 
 constexpr double kLeafDiameterPxMax = 100;
+// With the margin a radius of at most 128 px: features store their offset in a signed byte.
+constexpr double kReachPxMax = 125;
 constexpr double kDiameterPxMin = 12;
 // Narrower than this at the top of the pyramid, a part has no shape left: the scan starts one depth
 // further down. (Not further: the cost of a scan grows sixteenfold per depth.)
@@ -82,7 +84,11 @@ TemplateCamera make_template_camera(const TrainOptions& options, const MeshBound
     throw TrainError("the part spans only " + std::to_string(diameter_px) +
                      " px at the reference distance; at least 12 are needed");
   }
-  while (diameter_px / (1 << out.base_level) > kLeafDiameterPxMax) ++out.base_level;
+  const double reach_px = focal * diameter_mm / 2 / nearest;  // of the part at its nearest
+  while (diameter_px / (1 << out.base_level) > kLeafDiameterPxMax ||
+         reach_px / (1 << out.base_level) > kReachPxMax) {
+    ++out.base_level;
+  }
   const double f = focal / (1 << out.base_level);
   out.radius = static_cast<int>(std::ceil(f * diameter_mm / 2 / nearest)) + 3;
   out.radius = (out.radius + 7) / 8 * 8;
@@ -135,8 +141,10 @@ std::vector<RenderedSample> make_sample_pool(const Mesh& centred_mesh, const Tra
   for (int i = count - 1; i > 0; --i) {
     std::swap(order[i], order[static_cast<int>(hashed_uniform(options.seed, i) * (i + 1))]);
   }
-  const double tilt_limit =
-      std::min(180.0, options.tilt_max_deg + 8 + 1.5 * options.tilt_jitter_deg) * kDegree;
+  // Leaves lie up to half their spacing beyond the limit, the corners of their jitter 1.42 further.
+  const double leaf_spacing_deg = 63.4 / (1 << (options.tree_depths - 1));
+  const double beyond_deg = std::max(8.0, leaf_spacing_deg / 2) + 1.5 * options.tilt_jitter_deg;
+  const double tilt_limit = std::min(180.0, options.tilt_max_deg + beyond_deg) * kDegree;
   std::vector<RenderedSample> samples;
   for (int i = 0; i < count; ++i) {
     const double z = 1 - (2.0 * order[i] + 1) / count;

@@ -20,10 +20,10 @@ struct TemplateSet {
 struct RollBlocks {
   int count = 0;              // in a full turn: two per leaf roll
   int full_per_side = 0;      // blocks on either side of a leaf's roll that count fully
-  int outer_weight = 0;       // of the next block on either side, of kBlockWeight; 0: none
+  int full_weight = 0;        // of a block that counts fully
+  int outer_weight = 0;       // of the next block on either side, below full_weight; 0: none
   int samples_per_block = 0;  // so that a template holds about options.samples of them
 };
-inline constexpr int kBlockWeight = 8;
 RollBlocks make_roll_blocks(const TrainOptions& options, int leaf_roll_count);
 
 // Size of the sample pool for which every viewpoint finds enough different renderings within its

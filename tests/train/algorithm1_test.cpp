@@ -18,15 +18,15 @@ struct Toy {
   std::vector<RenderedSample> samples;
 };
 
-Toy make_toy(int depths) {
+Toy make_toy(int depths, double tilt_max_deg, double focal_px) {
   Toy toy;
   TrainOptions& o = toy.options;
   o = toy_options();
   o.tree_depths = depths;
-  o.tilt_max_deg = 6;
+  o.tilt_max_deg = tilt_max_deg;
   o.tilt_jitter_deg = 6;
   o.roll_interval_deg = 360.0 / (1 << depths);  // two rolls at the root
-  o.camera.fx = o.camera.fy = 500;
+  o.camera.fx = o.camera.fy = focal_px;
   o.samples = 60;
   o.gradient_threshold = 4;
   o.normal_threshold = 6;
@@ -149,7 +149,7 @@ void expect_same(const std::vector<Feature>& a, const std::vector<Feature>& b) {
 class Algorithm1 : public testing::TestWithParam<int> {};
 
 TEST_P(Algorithm1, GivesWhatGatheringFromTheLeavesGives) {
-  const Toy toy = make_toy(GetParam());
+  const Toy toy = make_toy(GetParam(), 6, 500);
   SerialPool pool;
   const TemplateSet set = build_templates(toy.tree, toy.samples, toy.camera, toy.options, pool, {});
   const std::vector<LeafHistograms> leaves = leaves_of(toy);
@@ -201,7 +201,7 @@ std::vector<double> step(const std::vector<const std::vector<double>*>& children
 TEST(Algorithm1Steps, AgreeWithNormalisingAtEveryStep) {
   // Sums weigh every leaf the same, means of means every child: they differ where siblings have
   // different numbers of children.
-  const Toy toy = make_toy(4);
+  const Toy toy = make_toy(3, 180, 200);
   const std::vector<LeafHistograms> leaves = leaves_of(toy);
   std::vector<std::vector<double>> means;
   for (const LeafHistograms& h : leaves) {
@@ -211,7 +211,7 @@ TEST(Algorithm1Steps, AgreeWithNormalisingAtEveryStep) {
   const double threshold =
       static_cast<double>(toy.options.gradient_threshold) / toy.options.samples;
   int size = 2 * toy.camera.radius;
-  for (int d = 2; d >= 0; --d, size /= 2) {
+  for (int d = 1; d >= 0; --d, size /= 2) {
     const TreeLayer& layer = toy.tree.depths[d];
     const int child_rolls = 2 * layer.roll_count;
     std::vector<std::vector<double>> above;
@@ -222,7 +222,7 @@ TEST(Algorithm1Steps, AgreeWithNormalisingAtEveryStep) {
           children.push_back(&means[static_cast<std::size_t>(c * child_rolls + 2 * r)]);
           children.push_back(&means[static_cast<std::size_t>(c * child_rolls + 2 * r + 1)]);
         }
-        above.push_back(step(children, size, d % 2 == 0));
+        above.push_back(step(children, size, d == 1));
       }
     }
     means = std::move(above);
@@ -230,7 +230,7 @@ TEST(Algorithm1Steps, AgreeWithNormalisingAtEveryStep) {
     const std::vector<std::size_t> at = ancestors(toy.tree, d);
     for (std::size_t t = 0; t < leaves.size(); ++t) below[at[t]].push_back(&leaves[t]);
     int bits = 0, equal = 0;
-    const int half = size / 2, k = 3 - d;
+    const int half = size / 2, k = 2 - d;
     for (std::size_t t = 0; t < means.size(); ++t) {
       const double votes = static_cast<double>(below[t].size()) * leaves[0].votes * (1 << (2 * k));
       for (int i = 0; i < half * half; ++i) {

@@ -75,14 +75,14 @@ TEST(Icosphere, PutsEachMidpointInTheMiddleOfItsEdge) {
 
 TEST(Icosphere, HalvesTheAngleBetweenNeighbours) {
   const Icosphere sphere = make_icosphere(kSubdivisions);
-  // Midpoints on a sphere are not spread quite evenly: from 0.87 to 1.1 of the halved angle.
+  // Midpoints on a sphere are not spread quite evenly: within 15 % of the halved angle.
   double expected_deg = 2 * std::atan(2 / (1 + std::sqrt(5.0))) * kRadToDeg;
   EXPECT_NEAR(expected_deg, 63.43, 0.01);
   for (int s = 0; s < kSubdivisions; ++s, expected_deg /= 2) {
     const std::vector<double> angles = neighbour_angles_deg(sphere, s);
     const auto [least, most] = std::ranges::minmax_element(angles);
     EXPECT_GT(*least, 0.85 * expected_deg) << "subdivision " << s;
-    EXPECT_LT(*most, 1.1 * expected_deg) << "subdivision " << s;
+    EXPECT_LT(*most, 1.15 * expected_deg) << "subdivision " << s;
   }
 }
 

@@ -17,6 +17,7 @@
 #include "thread_pool.hpp"
 #include "train/pose_tree.hpp"
 #include "train/sample_pool.hpp"
+#include "train/template_builder.hpp"
 #include "train/toy_part.hpp"
 
 namespace binpick::train {
