@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "binpick/model/object_model.hpp"
 #include "train/icosphere.hpp"
 
 namespace binpick::train {
@@ -69,8 +70,9 @@ PoseTree make_pose_tree(const TrainOptions& options) {
   const int root_rolls =
       std::max(1, static_cast<int>(std::lround(360 / options.roll_interval_deg / halvings)));
   const double range_mm = options.distance_max_mm - options.distance_min_mm;
-  const int leaf_distances =
-      std::max(1, static_cast<int>(std::ceil(range_mm / options.distance_interval_mm)));
+  // A range too wide for the interval gets coarser steps: far away the same step matters less.
+  const int leaf_distances = std::clamp(
+      static_cast<int>(std::ceil(range_mm / options.distance_interval_mm)), 1, kModelDistancesMax);
 
   std::vector<int> vertex_of;  // of the depth just built: tree index -> sphere vertex
   for (int v = 0; v < sphere.counts[0]; ++v) {

@@ -34,10 +34,9 @@ void check_options(const TrainOptions& o) {
           "the distance jitter must not be negative");
   require(o.roll_interval_deg >= 1 && o.roll_interval_deg <= 90,
           "the roll interval must lie in [1, 90] degrees");
-  require(
-      o.distance_interval_mm > 0 &&
-          (o.distance_max_mm - o.distance_min_mm) / o.distance_interval_mm <= kModelDistancesMax,
-      "the distance interval must be positive and cut the range into at most 64 steps");
+  require(o.distance_interval_mm > 0 &&
+              (o.distance_max_mm - o.distance_min_mm) / o.distance_interval_mm <= 1000,
+          "the distance interval must be positive and cut the range into at most 1000 steps");
   require(o.tree_depths >= 2 && o.tree_depths <= kModelDepthsMax,
           "the pose tree must have 2 to 4 depths");
   require(o.contour_features >= 0 && o.surface_features >= 0 &&
