@@ -131,9 +131,6 @@ Result<DetectionReport> Detector::Impl::detect(const Frame& frame, const DetectR
     const Result<ScalePlan> scale = make_scale_plan(models[static_cast<std::size_t>(m)],
                                                     frame.camera, plan.pyramid.level_count);
     if (!scale.ok()) return scale.error();
-    if (!templates_fit(models[static_cast<std::size_t>(m)], scale.value(), plan.pyramid.border)) {
-      return Error{ErrorCode::kModelCameraMismatch, m, "template size"};
-    }
     scale_plans[static_cast<std::size_t>(m)] = scale.value();
     found = search_model(
         m, std::min(kHypothesesPerModel, kHypothesesMax / static_cast<std::size_t>(wanted)), found,

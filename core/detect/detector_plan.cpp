@@ -36,9 +36,13 @@ DetectorPlan make_detector_plan(std::span<const ObjectModel> models, const Detec
   for (const ObjectModel& model : models) {
     BINPICK_ASSERT(model.info().normal_codebook == plan.normal_codebook);
     const int leaf = model.depth_count() - 1;
-    // One level more than at the reference distance: nearer parts are larger.
-    pyramid.level_count =
-        std::max(pyramid.level_count, model.info().base_level + leaf - model.info().scan_depth + 2);
+    // Nearer than the reference distance the part is larger: coarser levels serve.
+    const double nearest_mm = model.distance_mm(model.info().scan_depth, 0);
+    const int nearer = std::max(
+        0,
+        static_cast<int>(std::lround(std::log2(model.info().reference_distance_mm / nearest_mm))));
+    pyramid.level_count = std::max(
+        pyramid.level_count, model.info().base_level + leaf - model.info().scan_depth + 2 + nearer);
     for (int d = model.info().scan_depth; d <= leaf; ++d)
       offset = std::max(offset, largest_offset(model, d));
     const TreeDepth& scanned = model.depth(model.info().scan_depth);
@@ -49,8 +53,7 @@ DetectorPlan make_detector_plan(std::span<const ObjectModel> models, const Detec
     plan.search.scan.features_max = std::max(plan.search.scan.features_max, features);
   }
   pyramid.level_count = std::min(pyramid.level_count, kPyramidLevelsMax);
-  // A change of scale by up to one half to either side is bridged within a level.
-  pyramid.border = rounded_up(offset * 3 / 2 + 8, 4);
+  pyramid.border = rounded_up(static_cast<int>(offset * kTemplateScaleMax) + 8, 4);
   const int align = 1 << (pyramid.level_count - 1);
   const int width =
       limits.roi_width > 0
@@ -62,14 +65,8 @@ DetectorPlan make_detector_plan(std::span<const ObjectModel> models, const Detec
           : limits.image_height;
   pyramid.width_max = rounded_up(width, align);
   pyramid.height_max = rounded_up(height, align);
-  for (const ObjectModel& model : models) {
-    const int leaf = model.depth_count() - 1;
-    for (int l = 0;
-         l < pyramid.level_count && l <= model.info().base_level + leaf - model.info().scan_depth;
-         ++l) {
-      pyramid.rearranged_from_level[l] = true;
-    }
-  }
+  // The coarsest level is only ever scanned.
+  for (int l = 0; l + 1 < pyramid.level_count; ++l) pyramid.rearranged_from_level[l] = true;
   plan.search.scan.width_max = pyramid.width_max;
   plan.search.scan.height_max = pyramid.height_max;
   // Scanned levels are at least leaf - scan_depth levels below full resolution.
@@ -114,16 +111,6 @@ Result<Roi> region_of(const Frame& frame, const DetectorPlan& plan) {
   if (region.width > plan.pyramid.width_max || region.height > plan.pyramid.height_max)
     return Error{ErrorCode::kRoiTooLarge, region.width, "roi"};
   return region;
-}
-
-bool templates_fit(const ObjectModel& model, const ScalePlan& plan, int border_px) {
-  for (int d = model.info().scan_depth; d < model.depth_count(); ++d) {
-    const int offset = largest_offset(model, d);
-    for (int k = 0; k < model.depth(d).distance_count; ++k) {
-      if (offset * plan.scale_q8[d][k] / 256 + 6 > border_px) return false;
-    }
-  }
-  return true;
 }
 
 bool centre_inside_roi(const Frame& frame, const Roi& region, const Pose& T, const Scene& scene) {

@@ -37,9 +37,6 @@ DetectorPlan make_detector_plan(std::span<const ObjectModel> models, const Detec
 // level's pixels. Errors as Detector::detect states.
 Result<Roi> region_of(const Frame& frame, const DetectorPlan& plan);
 
-// Whether all templates, at their scales, stay within the border of the maps.
-bool templates_fit(const ObjectModel& model, const ScalePlan& plan, int border_px);
-
 // Whether the part's centre projects into the region of interest. `T_cam_centre` is in the cropped
 // region's camera.
 bool centre_inside_roi(const Frame& frame, const Roi& region, const Pose& T_cam_centre,

@@ -36,6 +36,7 @@ int match_children(const DescendContext& context, int depth, const Candidate& pa
   int matched = 0;
   for (int k = 2 * parent.distance; k < std::min(2 * parent.distance + 2, below.distance_count);
        ++k) {
+    if (plan.level[depth][k] < 0) continue;
     if (!gate.allows(seen, parent.x, parent.y, depth, k)) continue;
     const int scale_q8 = plan.scale_q8[depth][k];
     for (int v = view.child_first; v < view.child_first + view.child_count; ++v) {

@@ -16,6 +16,8 @@ double template_scale(const ObjectModel& model, const CameraIntrinsics& camera,
 Result<ScalePlan> make_scale_plan(const ObjectModel& model, const CameraIntrinsics& camera,
                                   int level_count) {
   ScalePlan plan{};
+  const ModelInfo& info = model.info();
+  int searchable_leaves = 0;
   const int leaf = model.depth_count() - 1;
   const int scan_depth = model.info().scan_depth;
   for (int d = scan_depth; d <= leaf; ++d) {
@@ -28,13 +30,17 @@ Result<ScalePlan> make_scale_plan(const ObjectModel& model, const CameraIntrinsi
       const int leaf_level = std::clamp(wanted, 0, level_count - 1 - (leaf - scan_depth));
       const double scale = template_scale(model, camera, model.distance_mm(d, k)) *
                            std::exp2(model.info().base_level - leaf_level);
-      if (!(scale > 0.3 && scale < 2.5)) {
-        return Error{ErrorCode::kModelCameraMismatch,
-                     static_cast<long long>(model.distance_mm(d, k)), "template scale"};
-      }
-      plan.level[d][k] = static_cast<std::int8_t>(leaf_level + leaf - d);
+      const bool searchable = scale >= kTemplateScaleMin && scale <= kTemplateScaleMax;
+      searchable_leaves += searchable && d == leaf;
+      plan.level[d][k] = static_cast<std::int8_t>(searchable ? leaf_level + leaf - d : -1);
       plan.scale_q8[d][k] = static_cast<std::int16_t>(std::lround(scale * 256));
     }
+  }
+  if (searchable_leaves == 0) {
+    return Error{
+        ErrorCode::kModelCameraMismatch,
+        static_cast<long long>(100 * template_scale(model, camera, info.reference_distance_mm)),
+        "percent of the trained image size"};
   }
   return plan;
 }

@@ -8,14 +8,18 @@
 
 namespace binpick {
 
+// Templates are enlarged by at most this much, and shrunk to no less than the other.
+inline constexpr double kTemplateScaleMax = 2.0;
+inline constexpr double kTemplateScaleMin = 0.35;
+
 struct ScalePlan {
-  // [depth][distance]
+  // [depth][distance]; level -1: this distance cannot be searched in this frame
   std::int8_t level[kModelDepthsMax][kModelDistancesMax];
   std::int16_t scale_q8[kModelDepthsMax][kModelDistancesMax];
 };
 
-// Fails with kModelCameraMismatch where no level brings the part's image to within a factor of two
-// of its templates.
+// Distances at which the part's image is too large or too small for its templates are left out;
+// fails with kModelCameraMismatch where none is left.
 Result<ScalePlan> make_scale_plan(const ObjectModel& model, const CameraIntrinsics& camera,
                                   int level_count);
 

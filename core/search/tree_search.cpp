@@ -59,6 +59,7 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
   const std::int64_t scan_start = context.clock ? context.clock() : 0;
   int count = 0;
   for (int k = 0; k < model.depth(scan_depth).distance_count; ++k) {
+    if (plan.level[scan_depth][k] < 0) continue;
     count += scanner_.scan(model, model_index, k, plan, context.pyramid, context.kernels, threshold,
                            context.pool, candidates_.subspan(static_cast<std::size_t>(count)),
                            below_limit);

@@ -72,7 +72,8 @@ void thin_surface(int first, RenderedSample& sample) {
 TemplateCamera make_template_camera(const TrainOptions& options, const MeshBounds& bounds) {
   TemplateCamera out;
   const double diameter_mm = bounds.diameter_mm;
-  out.reference_distance_mm = (options.distance_min_mm + options.distance_max_mm) / 2;
+  // The geometric mean: as far, in scale, from the nearest distance as from the farthest.
+  out.reference_distance_mm = std::sqrt(options.distance_min_mm * options.distance_max_mm);
   const double nearest = out.reference_distance_mm - options.distance_jitter_mm - diameter_mm / 2;
   if (nearest < diameter_mm / 4) {
     throw TrainError("the part (diameter " + std::to_string(diameter_mm) +
