@@ -85,15 +85,14 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
     report.templates_evaluated[static_cast<std::size_t>(d)] +=
         descend(descend_context, d, candidates_.first(static_cast<std::size_t>(count)), children,
                 context.pool);
+    report.level_ms[static_cast<std::size_t>(d)] += milliseconds_since(context.clock, start);
     std::copy(children.begin(), children.end(), candidates_.begin());
     count = select_candidates(candidates_.first(children.size()),
                               params_.candidates_max[d - scan_depth],
                               params_.per_place_max[d - scan_depth], place,
                               context.pyramid.region(), places_, below_limit);
     report.candidates[static_cast<std::size_t>(d)] += count;
-    const double ms = milliseconds_since(context.clock, start);
-    report.level_ms[static_cast<std::size_t>(d)] += ms;
-    report.stage_ms[static_cast<int>(Stage::kDescend)] += ms;
+    report.stage_ms[static_cast<int>(Stage::kDescend)] += milliseconds_since(context.clock, start);
   }
   return candidates_.first(static_cast<std::size_t>(count));
 }

@@ -63,7 +63,7 @@ TEST(RayNormal, IsExactOnPlanesOnTheAxis) {
 TEST(RayNormal, IsExactOnPlanesOffTheAxis) {
   // The principal point far outside: the rays lean by up to 37 degrees, and the pixels are not
   // square.
-  for (const Vec2 centre : {Vec2(-500, 20), Vec2(20, 620), Vec2(-400, -300)}) {
+  for (const Vec2& centre : {Vec2(-500, 20), Vec2(20, 620), Vec2(-400, -300)}) {
     const CameraIntrinsics camera{kSize, kSize, 900, 800, centre.x(), centre.y()};
     for (const Vec3& slope : {Vec3(0, 0, -1), Vec3(0.3, 0.2, -1), Vec3(-0.4, 0.1, -1)}) {
       const Vec3 normal = slope.normalized();

@@ -61,7 +61,7 @@ struct DetectionReport {
   std::array<int, kTreeLevelsMax> candidates{};  // kept at tree depth d, all models
   std::array<std::int64_t, kTreeLevelsMax>
       templates_evaluated{};                      // template x block matches at depth d
-  std::array<double, kTreeLevelsMax> level_ms{};  // search time at depth d
+  std::array<double, kTreeLevelsMax> level_ms{};  // time of matching at depth d, selection left out
   std::array<int, kDropReasonCount> dropped{};
 };
 
