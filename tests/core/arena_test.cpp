@@ -13,8 +13,8 @@ namespace {
 // A part lists its buffers once, for planning and for taking.
 template <class Source>
 std::size_t take_some(Source& source) {
-  return source.template take<std::uint8_t>(3).size() +
-         source.template take<double>(100).size() + source.template take<std::uint8_t>(0).size() +
+  return source.template take<std::uint8_t>(3).size() + source.template take<double>(100).size() +
+         source.template take<std::uint8_t>(0).size() +
          source.template take<std::uint16_t>(65).size();
 }
 

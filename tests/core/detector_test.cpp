@@ -1,4 +1,5 @@
-// The detector on rendered scenes of a small part: what it finds, what it refuses, what it promises.
+// The detector on rendered scenes of a small part: what it finds, what it refuses, what it
+// promises.
 #include "binpick/detect/detector.hpp"
 
 #include <gtest/gtest.h>
@@ -19,13 +20,16 @@ namespace {
 
 const DetectorLimits kLimits{480, 360, 0, 0, 32};
 
-std::int64_t steady_ns() { return std::chrono::steady_clock::now().time_since_epoch().count(); }
+std::int64_t steady_ns() {
+  return std::chrono::steady_clock::now().time_since_epoch().count();
+}
 
 // A detector for brackets, with what it lives on.
 struct Rig {
   explicit Rig(const DetectorLimits& limits = kLimits, const DetectorParams& params = {},
                int threads = 1, ClockFn clock = nullptr)
-      : pool(threads), models{bracket_model()},
+      : pool(threads),
+        models{bracket_model()},
         arena(Detector::footprint(models, limits, params, threads)),
         detector(models, limits, params, pool, clock, arena) {
     arena.seal();
@@ -174,7 +178,8 @@ TEST(Detector, AllocatesNothing) {
   Rig rig;
   const Frame frame = scene().frame();
   const long long before_check = allocation_count();
-  delete new int(1);
+  int* volatile number = new int(1);  // volatile: not to be optimized away
+  delete number;
   ASSERT_GT(allocation_count(), before_check) << "the counter does not count";
   for (int i = 0; i < 2; ++i) {  // from the first frame on
     const long long before = allocation_count();
@@ -340,7 +345,8 @@ CameraIntrinsics other_camera(double focal_factor, double image_factor) {
 }
 
 TEST(Detector, BridgesAnotherCamera) {
-  for (const auto& [focal, image] : {std::pair(1.5, 1.5), std::pair(2.0, 2.0), std::pair(0.7, 1.0)}) {
+  for (const auto& [focal, image] :
+       {std::pair(1.5, 1.5), std::pair(2.0, 2.0), std::pair(0.7, 1.0)}) {
     const BracketScene seen = render_brackets(other_camera(focal, image), three_brackets(), 0.1);
     Rig rig({seen.camera.width, seen.camera.height, 0, 0, 32});
     const Result<DetectionReport> report = rig.detect(seen.frame());

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <memory>
+#include <random>
+#include <vector>
 
 #include "bracket.hpp"
 #include "pose/ray_pose.hpp"
@@ -60,14 +63,36 @@ RefineParams refine_params(const Pose& T) {
   return params;
 }
 
-struct Rates {
-  int icp = 0, refined = 0;  // of kTrials
-  double median_deg = 0, median_mm = 0;
+// Errors of all trials of one stage.
+struct Errors {
+  std::vector<PoseError> all;
+
+  int within(double angle_deg, double shift_mm) const {
+    return static_cast<int>(std::count_if(
+        all.begin(), all.end(), [=](const PoseError& e) { return e.within(angle_deg, shift_mm); }));
+  }
+  void print(const char* stage) const {
+    std::vector<double> angles, shifts;
+    for (const PoseError& e : all) {
+      angles.push_back(e.angle_deg);
+      shifts.push_back(e.shift_mm);
+    }
+    std::sort(angles.begin(), angles.end());
+    std::sort(shifts.begin(), shifts.end());
+    std::printf(
+        "[ measured ]   %-7s p50 %.2f deg %.2f mm, p90 %.2f deg %.2f mm, p95 %.2f deg "
+        "%.2f mm\n",
+        stage, angles[kTrials / 2], shifts[kTrials / 2], angles[kTrials * 9 / 10],
+        shifts[kTrials * 9 / 10], angles[kTrials * 95 / 100], shifts[kTrials * 95 / 100]);
+  }
 };
 
-// Poses of several tilts in turn; ICP first, then refinement, each judged against its own limits.
-Rates measure(double angle_deg, double shift_share, double noise_mm, const PoseError& icp_limit,
-              const PoseError& refined_limit) {
+struct Measured {
+  Errors icp, refined;
+};
+
+// Poses of several tilts in turn; ICP, and then refinement from where it ended.
+Measured measure(double angle_deg, double shift_share, double noise_mm) {
   std::mt19937 random(11);
   std::vector<std::unique_ptr<OnePart>> parts;
   for (const double tilt : {5.0, 20.0, 35.0, 44.0}) {
@@ -76,48 +101,41 @@ Rates measure(double angle_deg, double shift_share, double noise_mm, const PoseE
   }
   const ObjectModel& model = bracket_model();
   const double shift_mm = shift_share * model.info().diameter_mm;
-  Rates rates;
-  std::vector<double> angles, shifts;
+  Measured out;
   for (int i = 0; i < kTrials; ++i) {
     const OnePart& part = *parts[static_cast<std::size_t>(i) % parts.size()];
     const Scene scene = part.scene();
     Pose T = perturbed(part.truth, angle_deg, shift_mm, random);
     icp(model, scene, icp_params(T), T);
-    rates.icp += pose_error(T, part.truth).within(icp_limit.angle_deg, icp_limit.shift_mm);
+    out.icp.all.push_back(pose_error(T, part.truth));
     refine(model, scene, refine_params(T), T);
-    const PoseError e = pose_error(T, part.truth);
-    rates.refined += e.within(refined_limit.angle_deg, refined_limit.shift_mm);
-    angles.push_back(e.angle_deg);
-    shifts.push_back(e.shift_mm);
+    out.refined.all.push_back(pose_error(T, part.truth));
   }
-  std::sort(angles.begin(), angles.end());
-  std::sort(shifts.begin(), shifts.end());
-  rates.median_deg = angles[kTrials / 2];
-  rates.median_mm = shifts[kTrials / 2];
-  std::printf(
-      "[ measured ] from up to %.0f deg and %.0f %% of the diameter, noise %.2f mm: icp %d, "
-      "refined %d of %d; refined median %.3f deg %.3f mm, p90 %.3f deg %.3f mm\n",
-      angle_deg, 100 * shift_share, noise_mm, rates.icp, rates.refined, kTrials, rates.median_deg,
-      rates.median_mm, angles[kTrials * 9 / 10], shifts[kTrials * 9 / 10]);
-  return rates;
+  std::printf("[ measured ] from up to %.0f deg and %.0f %% of the diameter, noise %.1f mm\n",
+              angle_deg, 100 * shift_share, noise_mm);
+  out.icp.print("icp");
+  out.refined.print("refined");
+  return out;
 }
 
+// ICP alone slides by up to half a pixel of the depth level (0.6 mm here) along faces that only
+// narrow sides hold; the contour of the last refinement takes most of that back.
 TEST(Icp, ReturnsToTheTruthFrom8Degrees) {
-  const Rates rates = measure(8, 0.06, 0, {0.3, 0.1}, {0.3, 0.1});
-  EXPECT_GE(rates.icp, 90);
-  EXPECT_GE(rates.refined, 90);
+  const Measured m = measure(8, 0.06, 0);
+  EXPECT_GE(m.icp.within(1, 1), 90);
+  EXPECT_GE(m.refined.within(0.3, 0.3), 90);
 }
 
 TEST(Icp, ReachesTheBasinThatItStates) {
-  const Rates rates = measure(10, 0.1, 0, {1.5, 0.5}, {1.5, 0.5});
-  EXPECT_GE(rates.icp, 90);
-  EXPECT_GE(rates.refined, 90);
+  const Measured m = measure(10, 0.1, 0);
+  EXPECT_GE(m.icp.within(2, 1.5), 90);
+  EXPECT_GE(m.refined.within(0.5, 0.5), 90);
 }
 
 TEST(Icp, HoldsUnderDepthNoise) {
-  const Rates rates = measure(8, 0.06, 0.3, {1, 0.5}, {1, 0.5});
-  EXPECT_GE(rates.icp, 90);
-  EXPECT_GE(rates.refined, 90);
+  const Measured m = measure(8, 0.06, 0.3);
+  EXPECT_GE(m.icp.within(1, 1), 90);
+  EXPECT_GE(m.refined.within(0.5, 0.5), 90);
 }
 
 TEST(Icp, StaysAtTheTruth) {
@@ -127,7 +145,7 @@ TEST(Icp, StaysAtTheTruth) {
   const IcpResult result = icp(bracket_model(), part.scene(), icp_params(T), T);
   EXPECT_GT(result.pairs, 100);
   EXPECT_LT(result.rms_mm, 0.3);
-  EXPECT_TRUE(pose_error(T, part.truth).within(0.3, 0.1));
+  EXPECT_TRUE(pose_error(T, part.truth).within(0.3, 0.3));
 }
 
 TEST(Icp, LeavesThePoseWhereThereIsNoDepth) {

@@ -1,6 +1,4 @@
 // Model files: good, damaged and hostile ones.
-#include "binpick/model/object_model.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -8,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "binpick/model/object_model.hpp"
 #include "bracket.hpp"
 #include "model/model_format.hpp"
 
@@ -26,7 +25,9 @@ ErrorCode parsed(const Bytes& bytes) {
   return model.ok() ? ErrorCode::kNone : model.error().code;
 }
 
-ModelHeader& header_of(Bytes& bytes) { return *reinterpret_cast<ModelHeader*>(bytes.data()); }
+ModelHeader& header_of(Bytes& bytes) {
+  return *reinterpret_cast<ModelHeader*>(bytes.data());
+}
 
 // Row of one of the file's tables.
 template <class T>
@@ -79,8 +80,8 @@ TEST(Model, DistancesAndRollsStandInTheMiddleOfTheirIntervals) {
 
 TEST(Model, TruncatedAnywhereIsRefused) {
   std::mt19937 random(1);
-  std::vector<std::size_t> lengths = {0, 1, 7, 8, 9, 16, 31, sizeof(ModelHeader) - 1,
-                                      sizeof(ModelHeader), good().size() - 1};
+  std::vector<std::size_t> lengths = {
+      0, 1, 7, 8, 9, 16, 31, sizeof(ModelHeader) - 1, sizeof(ModelHeader), good().size() - 1};
   for (int i = 0; i < 200; ++i) lengths.push_back(random() % good().size());
   for (const std::size_t length : lengths) {
     const Bytes cut(good().begin(), good().begin() + static_cast<std::ptrdiff_t>(length));
@@ -159,7 +160,8 @@ TEST(Model, HostileTablesAreRefused) {
 TEST(Model, HostileTreesAreRefused) {
   using Change = std::function<void(ModelHeader&, Bytes&)>;
   const auto viewpoint = [](int depth, auto&& change) -> Change {
-    return [=](ModelHeader& h, Bytes& b) { change(row<Viewpoint>(b, h.depths[depth].viewpoints, 1)); };
+    return
+        [=](ModelHeader& h, Bytes& b) { change(row<Viewpoint>(b, h.depths[depth].viewpoints, 1)); };
   };
   const Change changes[] = {
       [](ModelHeader& h, Bytes&) { h.depths[0].viewpoints.count = 0; },
@@ -185,7 +187,8 @@ TEST(Model, HostileTreesAreRefused) {
       viewpoint(1, [](Viewpoint& v) { v.surface_count = 0xFFFFFFFF; }),
       viewpoint(1, [](Viewpoint& v) { v.contour_first = 0xFFFFFFF0; }),
       viewpoint(1, [](Viewpoint& v) { v.contour_count = 0x10000000; }),
-      viewpoint(1, [](Viewpoint& v) { v.R_view_obj[4] = std::numeric_limits<float>::quiet_NaN(); })};
+      viewpoint(1,
+                [](Viewpoint& v) { v.R_view_obj[4] = std::numeric_limits<float>::quiet_NaN(); })};
   int index = 0;
   for (const Change& change : changes) {
     EXPECT_EQ(ErrorCode::kModelInconsistent, parsed_after(change)) << "change " << index;
@@ -206,7 +209,8 @@ TEST(Model, HostileTemplatesAreRefused) {
   EXPECT_TRUE(refused([](TemplateRange& t, Feature&) { ++t.gradient_weight_sum; }));
   EXPECT_TRUE(refused([](TemplateRange& t, Feature&) { --t.normal_weight_sum; }));
   EXPECT_TRUE(refused([](TemplateRange& t, Feature& f) {
-    t.gradient_weight_sum = static_cast<std::uint16_t>(t.gradient_weight_sum + 32 - f.gradient_weight);
+    t.gradient_weight_sum =
+        static_cast<std::uint16_t>(t.gradient_weight_sum + 32 - f.gradient_weight);
     f.gradient_weight = 32;
   }));
 }

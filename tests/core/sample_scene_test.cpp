@@ -54,13 +54,13 @@ bool matches(const Pose& found, const Pose& truth, const std::vector<Pose>& symm
 }
 
 struct Score {
-  int wanted = 0;      // instances that are at least 70 % visible
-  int found = 0;       // of those
+  int wanted = 0;        // instances that are at least 70 % visible
+  int found = 0;         // of those
   double precision = 0;  // at the score where F1 is best
 };
 
-Score score(std::span<const Detection> detections,
-            const std::vector<drivers::TruthInstance>& truth, const std::vector<Pose>& symmetries) {
+Score score(std::span<const Detection> detections, const std::vector<drivers::TruthInstance>& truth,
+            const std::vector<Pose>& symmetries) {
   Score out;
   std::vector<char> taken(truth.size(), 0);
   std::vector<char> wanted;
@@ -116,9 +116,13 @@ void expect_found(int scene_id, int obj_id) {
   EXPECT_GE(s.precision, 0.8);
 }
 
-TEST(SampleScene, TeesAreFoundInAPile) { expect_found(1, 1); }
+TEST(SampleScene, TeesAreFoundInAPile) {
+  expect_found(1, 1);
+}
 
-TEST(SampleScene, HubsAreFoundInAPile) { expect_found(3, 3); }
+TEST(SampleScene, HubsAreFoundInAPile) {
+  expect_found(3, 3);
+}
 
 }  // namespace
 }  // namespace binpick

@@ -47,8 +47,8 @@ void bench(const KernelTable& table, const KernelMaps& maps, const std::vector<F
     table.match_block_plain(maps.plain(), x_of(i), y_of(i), features.data(), kFeatures, 256, sums);
   });
   const double gradient = time_ns(10, [&](int i) {
-    table.gradient_row(maps.plain().gradient + i * maps.plain().stride, maps.plain().stride,
-                       kWidth, 1000, bits.data());
+    table.gradient_row(maps.plain().gradient + i * maps.plain().stride, maps.plain().stride, kWidth,
+                       1000, bits.data());
   });
   std::printf("%-8s %12.0f %12.0f %12.0f %12.1f %12.0f\n", table.name, scan, plain, rearranged,
               plain / rearranged, gradient);

@@ -17,7 +17,7 @@ namespace binpick {
 struct ModelHeader;
 
 inline constexpr int kModelDepthsMax = 4;
-inline constexpr int kModelDistancesMax = 64;  // at one depth
+inline constexpr int kModelDistancesMax = 64;                 // at one depth
 inline constexpr std::size_t kModelScanTemplatesMax = 65536;  // at the scan depth
 
 // What the model was trained for; written to the file as it stands here, little-endian.
