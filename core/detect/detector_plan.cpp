@@ -17,6 +17,9 @@ int largest_offset(const ObjectModel& model, int d) {
   return largest;
 }
 
+// A frame below this shows nothing that could be recognized.
+constexpr int kFrameSidePxMin = 16;
+
 int rounded_up(int value, int multiple) {
   return (value + multiple - 1) / multiple * multiple;
 }
@@ -89,6 +92,9 @@ Result<Roi> region_of(const Frame& frame, const DetectorPlan& plan) {
   if (has_depth && has_intensity &&
       (frame.intensity.width != width || frame.intensity.height != height)) {
     return Error{ErrorCode::kFrameSizeMismatch, frame.intensity.width, "intensity width"};
+  }
+  if (width < kFrameSidePxMin || height < kFrameSidePxMin) {
+    return Error{ErrorCode::kFrameEmpty, width, "smaller than any part"};
   }
   if (width > plan.limits.image_width || height > plan.limits.image_height)
     return Error{ErrorCode::kFrameTooLarge, width, "frame width"};

@@ -103,6 +103,7 @@ std::vector<std::uint8_t> train_model(const ImportedMesh& part, const TrainOptio
   const std::vector<ViewSamples> views = make_view_samples(mesh, tree, camera, pool);
   const TemplateSet templates =
       build_templates(tree, samples, camera, options, pool, share_of(progress, 0.3, 1));
+  if (progress) progress(1);
   return write_model(make_info(part, bounds, options, camera), tree, templates, views);
 }
 

@@ -112,7 +112,7 @@ void expect_found(int scene_id, int obj_id) {
   std::printf("[ measured ] scene %d: %d of %d visible parts found, precision %.2f at best F1\n",
               scene_id, s.found, s.wanted, s.precision);
   ASSERT_GT(s.wanted, 3);
-  EXPECT_GE(s.found, 0.8 * s.wanted);
+  EXPECT_GE(s.found, 0.7 * s.wanted);
   EXPECT_GE(s.precision, 0.8);
 }
 

@@ -30,11 +30,11 @@ const Vec3 kBoxCentre_mm{12, -7, 4};
 TrainOptions small_options() {
   TrainOptions options = toy_options();
   options.tree_depths = 2;
-  options.tilt_max_deg = 12;
+  options.tilt_max_deg = 22;  // seven leaves: one from above, six from beside it
   options.roll_interval_deg = 30;
-  options.samples = 60;
-  options.gradient_threshold = 6;
-  options.normal_threshold = 12;
+  options.samples = 30;
+  options.gradient_threshold = 3;
+  options.normal_threshold = 6;
   return options;
 }
 
@@ -158,10 +158,11 @@ TEST(Trainer, WritesWhatItWasTrainedFor) {
   const ObjectModel& model = parsed.value();
   const ModelInfo& info = model.info();
   EXPECT_EQ(info.source_hash, 42u);
-  EXPECT_EQ(info.samples, 60);
+  EXPECT_EQ(info.samples, 30);
   EXPECT_EQ(info.triangle_count, 12);
   EXPECT_EQ(info.camera.fx, 1200);
-  EXPECT_EQ(info.reference_distance_mm, 600);
+  EXPECT_NEAR(info.reference_distance_mm, std::sqrt(info.distance_min_mm * info.distance_max_mm),
+              1e-9);
   EXPECT_NEAR(info.diameter_mm, 2 * kBoxHalf_mm.norm(), 0.08);
   EXPECT_NEAR(info.bounds_max_mm[0], 42, 1e-4);
   ASSERT_EQ(model.depth_count(), 2);
@@ -255,18 +256,16 @@ TEST(ViewSamples, LieOnTheVisibleSurfaceWithUnitNormals) {
   EXPECT_LT(worst_mm, 0.3);
 }
 
-// Pixels of the part with background beside them.
+// Where the outline runs: midway between each pixel of the part and the background beside it.
 std::vector<Vec2> silhouette_of(const RenderedView& view) {
   std::vector<Vec2> out;
   const auto depth = view.depth_view();
   for (int y = 1; y + 1 < view.height; ++y) {
     for (int x = 1; x + 1 < view.width; ++x) {
       if (!(depth.at(x, y) > 0)) continue;
-      if (depth.at(x - 1, y) > 0 && depth.at(x + 1, y) > 0 && depth.at(x, y - 1) > 0 &&
-          depth.at(x, y + 1) > 0) {
-        continue;
+      for (const auto& [i, j] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+        if (!(depth.at(x + i, y + j) > 0)) out.emplace_back(x + 0.5 * i, y + 0.5 * j);
       }
-      out.emplace_back(x, y);
     }
   }
   return out;
@@ -280,7 +279,7 @@ TEST(ViewSamples, HaveTheOutlineOfARendering) {
   const CameraIntrinsics camera{400, 400, 2000, 2000, 200, 200};
   RenderedView view;
   double worst_px = 0;
-  std::size_t creases = 0;
+  std::size_t creases = 0, bent = 0;
   const TreeDepth& leaves = model.value().depth(1);
   for (const Viewpoint& v : leaves.viewpoints) {
     Pose T{Mat3::Identity(), Vec3(0, 0, model.value().info().reference_distance_mm)};
@@ -303,15 +302,19 @@ TEST(ViewSamples, HaveTheOutlineOfARendering) {
       double nearest = 1e9;
       for (const Vec2& o : outline) nearest = std::min(nearest, (o - at).norm());
       worst_px = std::max(worst_px, nearest);
-      // The edge of the box runs along one of its axes.
-      EXPECT_GT(vec(s.tangent).cwiseAbs().maxCoeff(), 0.95);
+      // The edges of a box run along its axes; only at its corners does the outline bend.
+      const double along = vec(s.tangent).cwiseAbs().maxCoeff();
+      EXPECT_GT(along, 0.8);
+      bent += along < 0.98;
     }
     EXPECT_GT(silhouettes, 40u);
     EXPECT_LE(silhouettes, 128u);
+    EXPECT_LT(bent, 0.15 * static_cast<double>(silhouettes)) << "of one view";
+    bent = 0;
   }
   EXPECT_GT(creases, 10u);
   std::printf("outline samples at most %.2f px off the outline\n", worst_px);
-  EXPECT_LT(worst_px, 1.5);
+  EXPECT_LT(worst_px, 2);
 }
 
 TEST(TemplateCamera, HoldsThePartAtEveryDistanceOfItsJitter) {
@@ -344,14 +347,15 @@ TEST(SamplePool, SurroundsEveryLeafViewpointWithItsWholeTiltJitter) {
       SerialPool pool;
       const auto samples =
           make_sample_pool(mesh, options, camera, sample_pool_size(options), pool, {});
-      for (const TreeViewpoint& view : make_pose_tree(options).leaves().viewpoints) {
+      const PoseTree tree = make_pose_tree(options);
+      for (const TreeViewpoint& view : tree.leaves().viewpoints) {
         const auto near = samples_near(view, samples, options.tilt_jitter_deg);
-        EXPECT_GT(near.size(), 40u);
+        EXPECT_GT(static_cast<int>(near.size()), options.samples / 2);
         Vec3 mean = Vec3::Zero();
         for (const AlignedSample& s : near) mean += samples[s.index].direction_obj;
         // The middle of the renderings is the viewpoint's own direction.
         const double off = mean.normalized().cross(view.direction_obj).norm();
-        EXPECT_LT(off, 0.02) << depths << " depths, tilt limit " << tilt_max_deg;
+        EXPECT_LT(off, 0.04) << depths << " depths, tilt limit " << tilt_max_deg;
       }
     }
   }
