@@ -145,11 +145,7 @@ std::vector<RenderedSample> make_sample_pool(const Mesh& centred_mesh, const Tra
   // Leaves lie up to half their spacing beyond the limit, the corners of their jitter 1.42 further.
   const double leaf_spacing_deg = 63.4 / (1 << (options.tree_depths - 1));
   const double beyond_deg = std::max(8.0, leaf_spacing_deg / 2) + 1.5 * options.tilt_jitter_deg;
-  // Leaves lie up to half their spacing beyond the limit, their samples a jitter further out.
-  const double spacing_deg = 63.4 / (1 << (options.tree_depths - 1));
-  const double tilt_limit =
-      std::min(180.0, options.tilt_max_deg + spacing_deg / 2 + 1.5 * options.tilt_jitter_deg) *
-      kDegree;
+  const double tilt_limit = std::min(180.0, options.tilt_max_deg + beyond_deg) * kDegree;
   std::vector<RenderedSample> samples;
   for (int i = 0; i < count; ++i) {
     const double z = 1 - (2.0 * order[i] + 1) / count;

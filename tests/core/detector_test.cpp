@@ -253,12 +253,19 @@ TEST(Detector, RefusesFramesThatAreNone) {
   frame = scene().frame();
   frame.depth_mm = frame.depth_mm.crop(0, 0, 480, 300);
   EXPECT_EQ(ErrorCode::kFrameSizeMismatch, rig.error_of(frame));
-  frame = scene().frame();
-  frame.depth_mm = frame.depth_mm.crop(0, 0, 5, 5);
-  frame.intensity = frame.intensity.crop(0, 0, 5, 5);
-  EXPECT_EQ(ErrorCode::kFrameEmpty, rig.error_of(frame));
   Rig small({320, 240, 0, 0, 8});
   EXPECT_EQ(ErrorCode::kFrameTooLarge, small.error_of(scene().frame()));
+}
+
+TEST(Detector, FindsNothingInAFrameOfAFewPixels) {
+  Rig rig;
+  for (const int size : {1, 2, 5, 17}) {
+    Frame frame = scene().frame();
+    frame.depth_mm = frame.depth_mm.crop(240, 180, size, size);
+    frame.intensity = frame.intensity.crop(240, 180, size, size);
+    const Result<DetectionReport> report = rig.detect(frame);
+    EXPECT_TRUE(!report.ok() || report.value().detections.empty()) << size;
+  }
 }
 
 TEST(Detector, RefusesIntrinsicsThatAreNone) {

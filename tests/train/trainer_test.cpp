@@ -241,13 +241,13 @@ TEST(ViewSamples, LieOnTheVisibleSurfaceWithUnitNormals) {
       worst_mm = std::max(worst_mm, distance_to_box(p, kBoxHalf_mm));
       EXPECT_NEAR(n.norm(), 1, 1e-5);
       EXPECT_GT(n.dot(600 * direction - p), 0) << "turned away from the camera";
-      // Away from the edges a normal is that of its face.
+      // Beyond the patch that is averaged, even on a face seen at 18 degrees, it is the face's own.
       const Vec3 from_edge = (kBoxHalf_mm - p.cwiseAbs()).cwiseAbs();
       int axis;
       from_edge.minCoeff(&axis);
       Vec3 others = from_edge;
       others[axis] = 1e9;
-      if (others.minCoeff() > 4) {
+      if (others.minCoeff() > 7) {
         EXPECT_GT(n[axis] * (p[axis] > 0 ? 1 : -1), 0.999);
       }
     }
@@ -271,36 +271,48 @@ std::vector<Vec2> silhouette_of(const RenderedView& view) {
   return out;
 }
 
-TEST(ViewSamples, HaveTheOutlineOfARendering) {
+// The point on the edges of the box that is nearest to a point of its surface.
+Vec3 nearest_on_edges(const Vec3& p, const Vec3& half) {
+  int along;
+  (half - p.cwiseAbs()).maxCoeff(&along);
+  Vec3 out = p;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (axis != along) out[axis] = std::copysign(half[axis], p[axis]);
+  }
+  return out;
+}
+
+TEST(ViewSamples, HaveTheOutlineAndTheCreasesOfARendering) {
   const auto bytes = train(box_part(kBoxHalf_mm, kBoxCentre_mm), small_options());
   const auto model = ObjectModel::parse(bytes);
   ASSERT_TRUE(model.ok());
-  Renderer renderer(box_part(kBoxHalf_mm), 400, 400);
-  const CameraIntrinsics camera{400, 400, 2000, 2000, 200, 200};
+  Renderer renderer(box_part(kBoxHalf_mm), 300, 300);
+  const CameraIntrinsics camera{300, 300, 1400, 1400, 150, 150};  // as large as it was sampled
   RenderedView view;
-  double worst_px = 0;
-  std::size_t creases = 0, bent = 0;
-  const TreeDepth& leaves = model.value().depth(1);
-  for (const Viewpoint& v : leaves.viewpoints) {
+  double worst_px = 0, worst_crease_px = 0;
+  std::size_t creases = 0, steep = 0, all = 0;
+  for (const Viewpoint& v : model.value().depth(1).viewpoints) {
     Pose T{Mat3::Identity(), Vec3(0, 0, model.value().info().reference_distance_mm)};
     for (int i = 0; i < 9; ++i) T.R(i / 3, i % 3) = static_cast<double>(v.R_view_obj[i]);
     renderer.render(camera, T, view);
     const std::vector<Vec2> outline = silhouette_of(view);
-    std::size_t silhouettes = 0;
+    std::size_t silhouettes = 0, bent = 0;
     for (const ContourSample& s : model.value().contour(v)) {
       EXPECT_NEAR(vec(s.tangent).norm(), 1, 1e-5);
+      const Vec2 at = camera.project(T * vec(s.position_mm));
+      const Vec2 edge = camera.project(T * nearest_on_edges(vec(s.position_mm), kBoxHalf_mm));
       if (s.is_silhouette == 0) {
         ++creases;
-        // A crease of a box is one of its edges: on the limit in two axes.
-        Vec3 inside = kBoxHalf_mm - vec(s.position_mm).cwiseAbs();
-        std::sort(inside.data(), inside.data() + 3);
-        EXPECT_LT(std::abs(inside[1]), 0.8);
+        worst_crease_px = std::max(worst_crease_px, (at - edge).norm());
         continue;
       }
       ++silhouettes;
-      const Vec2 at = camera.project(T * vec(s.position_mm));
       double nearest = 1e9;
       for (const Vec2& o : outline) nearest = std::min(nearest, (o - at).norm());
+      if (nearest > 1.5 && (at - edge).norm() < 1.5) {
+        ++steep;  // a crease to a face so steep that the detector takes it for a step in depth
+        continue;
+      }
       worst_px = std::max(worst_px, nearest);
       // The edges of a box run along its axes; only at its corners does the outline bend.
       const double along = vec(s.tangent).cwiseAbs().maxCoeff();
@@ -309,12 +321,17 @@ TEST(ViewSamples, HaveTheOutlineOfARendering) {
     }
     EXPECT_GT(silhouettes, 40u);
     EXPECT_LE(silhouettes, 128u);
-    EXPECT_LT(bent, 0.15 * static_cast<double>(silhouettes)) << "of one view";
-    bent = 0;
+    EXPECT_LT(bent, 0.15 * static_cast<double>(silhouettes));
+    all += silhouettes;
   }
-  EXPECT_GT(creases, 10u);
-  std::printf("outline samples at most %.2f px off the outline\n", worst_px);
-  EXPECT_LT(worst_px, 2);
+  std::printf(
+      "outline samples at most %.2f px off the outline, %zu creases at most %.2f px off; "
+      "%zu of %zu outline samples at steep creases\n",
+      worst_px, creases, worst_crease_px, steep, all);
+  EXPECT_LT(worst_px, 1.5);
+  EXPECT_GT(creases, 50u);
+  EXPECT_LT(worst_crease_px, 1.5);
+  EXPECT_LT(static_cast<double>(steep), 0.1 * static_cast<double>(all));
 }
 
 TEST(TemplateCamera, HoldsThePartAtEveryDistanceOfItsJitter) {
@@ -338,7 +355,7 @@ TEST(TemplateCamera, HoldsThePartAtEveryDistanceOfItsJitter) {
 TEST(SamplePool, SurroundsEveryLeafViewpointWithItsWholeTiltJitter) {
   for (const int depths : {2, 3, 4}) {
     for (const double tilt_max_deg : {20.0, 60.0}) {
-      TrainOptions options = small_options();
+      TrainOptions options = toy_options();
       options.tree_depths = depths;
       options.tilt_max_deg = tilt_max_deg;
       const Mesh mesh = box_part(kBoxHalf_mm);
@@ -348,15 +365,18 @@ TEST(SamplePool, SurroundsEveryLeafViewpointWithItsWholeTiltJitter) {
       const auto samples =
           make_sample_pool(mesh, options, camera, sample_pool_size(options), pool, {});
       const PoseTree tree = make_pose_tree(options);
+      std::size_t fewest = samples.size();
+      double off_most = 0;
       for (const TreeViewpoint& view : tree.leaves().viewpoints) {
         const auto near = samples_near(view, samples, options.tilt_jitter_deg);
-        EXPECT_GT(static_cast<int>(near.size()), options.samples / 2);
+        fewest = std::min(fewest, near.size());
+        // The middle of the renderings is the viewpoint's own direction.
         Vec3 mean = Vec3::Zero();
         for (const AlignedSample& s : near) mean += samples[s.index].direction_obj;
-        // The middle of the renderings is the viewpoint's own direction.
-        const double off = mean.normalized().cross(view.direction_obj).norm();
-        EXPECT_LT(off, 0.04) << depths << " depths, tilt limit " << tilt_max_deg;
+        off_most = std::max(off_most, mean.cross(view.direction_obj).norm() / mean.norm());
       }
+      EXPECT_GT(fewest, 60u) << depths << " depths, tilt limit " << tilt_max_deg;
+      EXPECT_LT(off_most, 0.02) << depths << " depths, tilt limit " << tilt_max_deg;
     }
   }
 }
