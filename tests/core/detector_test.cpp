@@ -1,5 +1,4 @@
-// The detector on rendered scenes of a small part: what it finds, what it refuses, what it
-// promises.
+// The detector on rendered scenes of a small part: what it finds, refuses and promises.
 #include "binpick/detect/detector.hpp"
 
 #include <gtest/gtest.h>

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "binpick/detect/detector.hpp"
 #include "binpick/drivers/bop_truth.hpp"

@@ -271,15 +271,17 @@ std::vector<Vec2> silhouette_of(const RenderedView& view) {
   return out;
 }
 
-// The point on the edges of the box that is nearest to a point of its surface.
-Vec3 nearest_on_edges(const Vec3& p, const Vec3& half) {
-  int along;
-  (half - p.cwiseAbs()).maxCoeff(&along);
-  Vec3 out = p;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (axis != along) out[axis] = std::copysign(half[axis], p[axis]);
+// How far, in the image, a point of the box's surface lies from the nearest of its edges.
+double px_to_edge(const CameraIntrinsics& camera, const Pose& T, const Vec3& p, const Vec3& half) {
+  double nearest = 1e9;
+  for (int along = 0; along < 3; ++along) {
+    Vec3 edge = p;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (axis != along) edge[axis] = std::copysign(half[axis], p[axis]);
+    }
+    nearest = std::min(nearest, (camera.project(T * p) - camera.project(T * edge)).norm());
   }
-  return out;
+  return nearest;
 }
 
 TEST(ViewSamples, HaveTheOutlineAndTheCreasesOfARendering) {
@@ -300,16 +302,16 @@ TEST(ViewSamples, HaveTheOutlineAndTheCreasesOfARendering) {
     for (const ContourSample& s : model.value().contour(v)) {
       EXPECT_NEAR(vec(s.tangent).norm(), 1, 1e-5);
       const Vec2 at = camera.project(T * vec(s.position_mm));
-      const Vec2 edge = camera.project(T * nearest_on_edges(vec(s.position_mm), kBoxHalf_mm));
+      const double edge_px = px_to_edge(camera, T, vec(s.position_mm), kBoxHalf_mm);
       if (s.is_silhouette == 0) {
         ++creases;
-        worst_crease_px = std::max(worst_crease_px, (at - edge).norm());
+        worst_crease_px = std::max(worst_crease_px, edge_px);
         continue;
       }
       ++silhouettes;
       double nearest = 1e9;
       for (const Vec2& o : outline) nearest = std::min(nearest, (o - at).norm());
-      if (nearest > 1.5 && (at - edge).norm() < 1.5) {
+      if (nearest > 1.5 && edge_px < 1.5) {
         ++steep;  // a crease to a face so steep that the detector takes it for a step in depth
         continue;
       }
@@ -330,7 +332,7 @@ TEST(ViewSamples, HaveTheOutlineAndTheCreasesOfARendering) {
       worst_px, creases, worst_crease_px, steep, all);
   EXPECT_LT(worst_px, 1.5);
   EXPECT_GT(creases, 50u);
-  EXPECT_LT(worst_crease_px, 1.5);
+  EXPECT_LT(worst_crease_px, 2.5);  // a crease sample is the pixel on either side of the edge
   EXPECT_LT(static_cast<double>(steep), 0.1 * static_cast<double>(all));
 }
 
