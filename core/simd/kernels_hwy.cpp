@@ -119,12 +119,16 @@ void MatchBlockRearranged(const RearrangedMap& map, int x, int y, const Feature*
   const hn::FixedTag<std::uint8_t, 32> d8;
   const hn::FixedTag<std::uint16_t, 16> d16;
   const hn::FixedTag<std::uint8_t, 16> half8;
-  // Lane pattern that spreads byte 0 of a pair over the gradient half and byte 1 over the normal
-  // half.
-  alignas(32) static constexpr std::uint8_t kSpread[32] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
-                                                           0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1,
-                                                           1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
-  const auto spread = hn::Load(d8, kSpread);
+  // A feature's four last bytes are gradient bits and weight, normal bits and weight: one
+  // broadcast, and two patterns that spread them over the gradient half and the normal half.
+  const hn::Repartition<std::uint32_t, decltype(d8)> d32;
+  alignas(32) static constexpr std::uint8_t kBits[32] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+                                                         0, 0, 0, 0, 0, 2, 2, 2, 2, 2, 2,
+                                                         2, 2, 2, 2, 2, 2, 2, 2, 2, 2};
+  alignas(32) static constexpr std::uint8_t kWeights[32] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
+                                                            1, 1, 1, 1, 1, 3, 3, 3, 3, 3, 3,
+                                                            3, 3, 3, 3, 3, 3, 3, 3, 3, 3};
+  const auto spread_bits = hn::Load(d8, kBits), spread_weights = hn::Load(d8, kWeights);
   const std::uint8_t* origin = map.blocks + (y / 2 * map.stride_blocks + x / 2) * kBlockBytes;
   auto gradient = hn::Zero(d16), normal = hn::Zero(d16);
   for (int i = 0; i < count;) {
@@ -136,12 +140,11 @@ void MatchBlockRearranged(const RearrangedMap& map, int x, int y, const Feature*
           hn::LoadU(d8, origin + (scaled_half_offset(f.y, scale_q8) * map.stride_blocks +
                                   scaled_half_offset(f.x, scale_q8)) *
                                      kBlockBytes);
-      const auto bits_pair = hn::BitCast(
-          d8, hn::Set(d16, static_cast<std::uint16_t>(f.gradient_bits | f.normal_bits << 8)));
-      const auto weight_pair = hn::BitCast(
-          d8, hn::Set(d16, static_cast<std::uint16_t>(f.gradient_weight | f.normal_weight << 8)));
-      const auto bits = hn::TableLookupBytes(bits_pair, spread);
-      const auto weights = hn::TableLookupBytes(weight_pair, spread);
+      std::uint32_t packed;
+      __builtin_memcpy(&packed, &f.gradient_bits, sizeof(packed));
+      const auto all = hn::BitCast(d8, hn::Set(d32, packed));
+      const auto bits = hn::TableLookupBytes(all, spread_bits);
+      const auto weights = hn::TableLookupBytes(all, spread_weights);
       const auto miss = hn::VecFromMask(d8, hn::Eq(hn::And(block, bits), hn::Zero(d8)));
       bytes = hn::Add(bytes, hn::AndNot(miss, weights));
     }
