@@ -91,7 +91,7 @@ Score score(std::span<const Detection> detections, const std::vector<drivers::Tr
   return out;
 }
 
-void expect_found(int scene_id, int obj_id, double share_min) {
+void expect_found(int scene_id, int obj_id) {
   const drivers::BopDataset data(BINPICK_TEST_DATA "/bin-sample", "test");
   const drivers::BopScene scene = data.scene(scene_id);
   const drivers::LoadedFrame loaded = data.load_frame(scene, 0);

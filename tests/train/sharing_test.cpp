@@ -164,8 +164,8 @@ TEST(SharedSamples, GiveTheTemplatesOfBruteForceRendering) {
   EXPECT_GE(shared.normal.pixels, 2000);
   EXPECT_GE(shared.gradient.bit_agreement(), 0.9);
   EXPECT_GE(shared.normal.bit_agreement(), 0.95);
-  EXPECT_LT(shared.gradient.weight_error(), 0.07);
-  EXPECT_LT(shared.normal.weight_error(), 0.07);
+  EXPECT_LT(shared.gradient.weight_error(), 0.06);
+  EXPECT_LT(shared.normal.weight_error(), 0.06);
 }
 
 }  // namespace
