@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/arena_plan.hpp"
+#include "base/stopwatch.hpp"
 #include "detect/detector_plan.hpp"
 #include "pose/explain.hpp"
 #include "pose/hypothesis.hpp"
@@ -55,15 +56,11 @@ struct Detector::Impl {
 
   template <class Work>
   auto timed(Stage stage, DetectionReport& report, Work&& work) {
-    const std::int64_t start = clock ? clock() : 0;
     struct Stop {
-      ClockFn clock;
-      std::int64_t start;
+      Stopwatch watch;
       double& ms;
-      ~Stop() {
-        if (clock) ms += static_cast<double>(clock() - start) * 1e-6;
-      }
-    } const stop{clock, start, report.stage_ms[static_cast<std::size_t>(stage)]};
+      ~Stop() { ms += watch.elapsed_ms(); }
+    } const stop{Stopwatch(clock), report.stage_ms[static_cast<std::size_t>(stage)]};
     return work();
   }
 
@@ -114,7 +111,7 @@ Result<DetectionReport> Detector::detect(const Frame& frame,
 }
 
 Result<DetectionReport> Detector::Impl::detect(const Frame& frame, const DetectRequest& request) {
-  const std::int64_t start = clock ? clock() : 0;
+  const Stopwatch watch(clock);
   const Result<Roi> region = region_of(frame, plan);
   if (!region.ok()) return region.error();
   DetectionReport report;
@@ -138,7 +135,7 @@ Result<DetectionReport> Detector::Impl::detect(const Frame& frame, const DetectR
   }
   found = estimate_poses(found, report);
   timed(Stage::kExplain, report, [&] { explain(frame, request, found, report); });
-  if (clock) report.total_ms = static_cast<double>(clock() - start) * 1e-6;
+  report.total_ms = watch.elapsed_ms();
   return report;
 }
 

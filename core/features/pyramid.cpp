@@ -18,11 +18,9 @@ constexpr std::int32_t kGradientThreshold = 32;
 constexpr std::int32_t kStrongGradient = 120;
 // Rows that one task works on.
 constexpr int kRowsPerTask = 16;
-// The vector kernels may read a register's width beyond the border.
-constexpr std::ptrdiff_t kReadAhead = 64;
 
 std::ptrdiff_t map_stride(const PyramidPlan& plan, int l) {
-  return ((plan.width_max >> l) + 2 * plan.border + kReadAhead + 63) / 64 * 64;
+  return ((plan.width_max >> l) + 2 * plan.border + simd::kReadAhead + 63) / 64 * 64;
 }
 std::ptrdiff_t map_rows(const PyramidPlan& plan, int l) {
   return (plan.height_max >> l) + 2 * plan.border + 4;

@@ -46,10 +46,8 @@ ContourPlace place_contour(const ContourSample& sample, const Scene& scene, cons
         place.pixel.y() <= scene.intensity.height - 2 - margin)) {
     return place;
   }
-  const Vec2 uv = scene.depth.camera.project(p);
-  const float z =
-      scene.depth_at(static_cast<int>(std::lround(uv.x())), static_cast<int>(std::lround(uv.y())));
-  place.visible = !(z > 0 && static_cast<double>(z) < p.z() - depth_tolerance_mm);
+  const double z = scene.measured_at(p).depth_mm;
+  place.visible = !(z > 0 && z < p.z() - depth_tolerance_mm);
   return place;
 }
 
@@ -104,9 +102,8 @@ int add_contour_residuals(const Viewpoint& view, const ObjectModel& model, const
     const double a = place.normal_px.x() * camera.fx / p.z(),
                  b = place.normal_px.y() * camera.fy / p.z();
     const Vec3 n(a, b, -(a * p.x() + b * p.y()) / p.z());
-    const double k = m.offset_px * m.offset_px / (range_px * range_px);
-    const double w = 1 / ((1 + 4 * k) * (1 + 4 * k));
-    equations.add(point_gradient(n, p, T.t_mm) / sigma_px, -m.offset_px / sigma_px, w);
+    equations.add(point_gradient(n, p, T.t_mm) / sigma_px, -m.offset_px / sigma_px,
+                  robust_weight(m.offset_px, range_px));
     ++found;
   }
   return found;

@@ -40,9 +40,7 @@ void SceneOwnership::visit_cells(const ObjectModel& model, const Scene& scene, c
                                  Visit&& visit) const {
   for (const SurfaceSample& s : model.surface(nearest_viewpoint(model, T))) {
     const Vec3 p = T * position_of(s);
-    const Vec2 uv = scene.depth.camera.project(p);
-    const int u = static_cast<int>(std::lround(uv.x())), v = static_cast<int>(std::lround(uv.y()));
-    const double z = static_cast<double>(scene.depth_at(u, v));
+    const auto [u, v, z] = scene.measured_at(p);
     if (z > 0 && std::abs(z - p.z()) < kExplainsRatio * p.z()) visit(u / kCellPx, v / kCellPx);
   }
 }

@@ -20,9 +20,7 @@ bool align_depth(const ObjectModel& model, const Scene& scene, double range_mm, 
   for (std::size_t i = 0; i < surface.size() && count < kAlignSamplesMax;
        i += static_cast<std::size_t>(step)) {
     const Vec3 p = T * position_of(surface[i]);
-    const Vec2 uv = scene.depth.camera.project(p);
-    const float z = scene.depth_at(static_cast<int>(std::lround(uv.x())),
-                                   static_cast<int>(std::lround(uv.y())));
+    const float z = static_cast<float>(scene.measured_at(p).depth_mm);
     const float d = z - static_cast<float>(p.z());
     if (z > 0 && std::fabs(d) <= static_cast<float>(range_mm)) difference[count++] = d;
   }
@@ -53,15 +51,11 @@ int add_depth_residuals(const Viewpoint& view, const ObjectModel& model, const S
     const Vec3 p = T * position_of(surface[i]);
     const Vec3 n = T.R * normal_of(surface[i]);
     if (n.dot(p) >= 0) continue;  // turned away meanwhile
-    const Vec2 uv = camera.project(p);
-    const int u = static_cast<int>(std::lround(uv.x())), v = static_cast<int>(std::lround(uv.y()));
-    const double z = static_cast<double>(scene.depth_at(u, v));
+    const auto [u, v, z] = scene.measured_at(p);
     if (!(z > 0)) continue;
     const double r = n.dot(p - camera.unproject(u, v, z));
     if (std::abs(r) > gate_mm || std::abs(z - p.z()) > 3 * gate_mm) continue;
-    const double k = r * r / (gate_mm * gate_mm);
-    const double w = 1 / ((1 + 4 * k) * (1 + 4 * k));
-    equations.add(point_gradient(n, p, T.t_mm) / sigma_mm, r / sigma_mm, w);
+    equations.add(point_gradient(n, p, T.t_mm) / sigma_mm, r / sigma_mm, robust_weight(r, gate_mm));
     ++pairs;
   }
   return pairs;

@@ -32,6 +32,12 @@ struct NormalEquations {
   }
 };
 
+// Geman-McClure: full weight near zero, 1/25 where the residual reaches the scale.
+inline double robust_weight(double residual, double scale) {
+  const double k = residual * residual / (scale * scale);
+  return 1 / ((1 + 4 * k) * (1 + 4 * k));
+}
+
 // Derivative of n . x(increment) for a point x turning about the pivot.
 inline Eigen::Matrix<double, 6, 1> point_gradient(const Vec3& n, const Vec3& x, const Vec3& pivot) {
   Eigen::Matrix<double, 6, 1> J;

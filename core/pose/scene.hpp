@@ -2,6 +2,8 @@
 // here are of the part's centre in the camera of the cropped region.
 #pragma once
 
+#include <cmath>
+
 #include "features/pyramid.hpp"
 
 namespace binpick {
@@ -16,11 +18,16 @@ struct Scene {
         intensity(pyramid.level(0)),
         sensor_sigma_ratio(0.0006) {}
 
-  // Measured depth at the pixel nearest to (u, v) of the depth level; 0 where there is none.
-  float depth_at(int u, int v) const {
-    return u >= 0 && v >= 0 && u < depth.width && v < depth.height
-               ? depth.depth_mm[v * depth.stride + u]
-               : 0.0f;
+  // What the depth level shows where a point projects to.
+  struct Measurement {
+    int u, v;         // nearest pixel; may lie outside the image
+    double depth_mm;  // 0 where there is none
+  };
+  Measurement measured_at(const Vec3& point_cam) const {
+    const Vec2 uv = depth.camera.project(point_cam);
+    const int u = static_cast<int>(std::lround(uv.x())), v = static_cast<int>(std::lround(uv.y()));
+    const bool inside = u >= 0 && v >= 0 && u < depth.width && v < depth.height;
+    return {u, v, inside ? static_cast<double>(depth.depth_mm[v * depth.stride + u]) : 0.0};
   }
 };
 

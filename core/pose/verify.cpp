@@ -46,9 +46,7 @@ void add_surface(const ObjectModel& model, const Scene& scene, const Pose& T, co
     const Vec3 p = T * position_of(s);
     const Vec3 n = T.R * normal_of(s);
     ++e.samples;
-    const Vec2 uv = scene.depth.camera.project(p);
-    const int u = static_cast<int>(std::lround(uv.x())), v = static_cast<int>(std::lround(uv.y()));
-    const double z = static_cast<double>(scene.depth_at(u, v));
+    const auto [u, v, z] = scene.measured_at(p);
     if (!(z > 0)) {
       ++e.unknown;
       continue;
@@ -73,8 +71,9 @@ void add_surface(const ObjectModel& model, const Scene& scene, const Pose& T, co
 }
 
 // Whether a depth edge of the contour's direction lies at its place.
-bool on_depth_edge(const PyramidLevel& level, const Vec2& uv, const Vec2& normal) {
-  const int u = static_cast<int>(std::lround(uv.x())), v = static_cast<int>(std::lround(uv.y()));
+bool on_depth_edge(const Scene& scene, const Vec3& point_cam, const Vec2& normal) {
+  const PyramidLevel& level = scene.depth;
+  const auto [u, v, depth_mm] = scene.measured_at(point_cam);
   if (u < 1 || v < 1 || u >= level.width - 1 || v >= level.height - 1) return false;
   const double turn = std::atan2(normal.y(), normal.x()) * 8 / std::numbers::pi + 16.5;
   const int bin = static_cast<int>(turn) & 7;
@@ -90,7 +89,7 @@ void add_contours(const ObjectModel& model, const Scene& scene, const Pose& T,
     const ContourPlace place = place_contour(s, scene, T, kContourRangePx, tolerance_mm);
     if (!place.visible) continue;
     ++e.contours;
-    if (on_depth_edge(scene.depth, scene.depth.camera.project(place.point_cam), place.normal_px)) {
+    if (on_depth_edge(scene, place.point_cam, place.normal_px)) {
       e.contours_supported += 1;
       continue;
     }

@@ -8,36 +8,36 @@
 namespace binpick {
 namespace {
 
-constexpr int kReadAhead = 64;  // elements that the kernels may write beyond a row
+int row_stride(const ScanLimits& limits) {
+  return static_cast<int>((limits.width_max + simd::kReadAhead + 63) / 64 * 64);
+}
 
 }  // namespace
 
 template <class Source>
-void Scanner::take(const ScanLimits& limits, Source& source) {
-  row_stride_ = (limits.width_max + kReadAhead + 63) / 64 * 64;
-  const auto rows =
-      static_cast<std::size_t>(row_stride_) * 2 * static_cast<std::size_t>(limits.thread_count);
+Scanner::Buffers Scanner::take(const ScanLimits& limits, Source& source) {
+  const auto rows = static_cast<std::size_t>(row_stride(limits)) * 2 *
+                    static_cast<std::size_t>(limits.thread_count);
   const auto cells =
       static_cast<std::size_t>((limits.width_max / 2 + 1) * (limits.height_max / 2 + 1));
-  templates_ = source.template take<Template>(static_cast<std::size_t>(limits.templates_max));
-  features_ =
+  Buffers b;
+  b.templates = source.template take<Template>(static_cast<std::size_t>(limits.templates_max));
+  b.features =
       source.template take<simd::ScanFeature>(static_cast<std::size_t>(limits.features_max));
-  cells_ = source.template take<CellEntry>(cells * kTemplatesPerCell);
-  sums_ = source.template take<std::uint16_t>(rows);
-  scores_ = source.template take<std::uint16_t>(rows);
+  b.cells = source.template take<CellEntry>(cells * kTemplatesPerCell);
+  b.sums = source.template take<std::uint16_t>(rows);
+  b.scores = source.template take<std::uint16_t>(rows);
+  return b;
 }
 
 std::size_t Scanner::footprint(const ScanLimits& limits) {
   ArenaPlan plan;
-  Arena empty(0);
-  Scanner counted(ScanLimits{}, empty);
-  counted.take(limits, plan);
+  take(limits, plan);
   return plan.bytes;
 }
 
-Scanner::Scanner(const ScanLimits& limits, Arena& arena) {
-  if (limits.templates_max > 0) take(limits, arena);
-}
+Scanner::Scanner(const ScanLimits& limits, Arena& arena)
+    : row_stride_(row_stride(limits)), buffers_(take(limits, arena)) {}
 
 void Scanner::load_templates(const ObjectModel& model, int distance_index, const ScalePlan& plan,
                              std::ptrdiff_t stride) {
@@ -48,15 +48,15 @@ void Scanner::load_templates(const ObjectModel& model, int distance_index, const
   int used = 0;
   for (int t = 0; t < template_count_; ++t) {
     const TemplateRange& range = depth.templates[static_cast<std::size_t>(t)];
-    Template& to = templates_[static_cast<std::size_t>(t)];
+    Template& to = buffers_.templates[static_cast<std::size_t>(t)];
     to = {used, range.count, ScoreScale(range.gradient_weight_sum, range.normal_weight_sum),
           static_cast<std::int16_t>(t / depth.roll_count),
           static_cast<std::int16_t>(t % depth.roll_count)};
     for (const Feature& f : model.features(range)) {
       const std::ptrdiff_t x = (f.x * scale + 128) >> 8, y = (f.y * scale + 128) >> 8;
-      features_[static_cast<std::size_t>(used++)] = {static_cast<std::int32_t>(y * stride + x),
-                                                     f.gradient_bits, f.gradient_weight,
-                                                     f.normal_bits, f.normal_weight};
+      buffers_.features[static_cast<std::size_t>(used++)] = {
+          static_cast<std::int32_t>(y * stride + x), f.gradient_bits, f.gradient_weight,
+          f.normal_bits, f.normal_weight};
     }
   }
 }
@@ -73,18 +73,20 @@ void Scanner::insert(CellEntry* cell, CellEntry entry) const {
 
 void Scanner::scan_cell_row(int cell_y, const PyramidLevel& level, const simd::KernelTable& kernels,
                             int threshold, int thread) {
-  std::uint16_t* gradient = sums_.data() + static_cast<std::ptrdiff_t>(thread) * 2 * row_stride_;
+  std::uint16_t* gradient =
+      buffers_.sums.data() + static_cast<std::ptrdiff_t>(thread) * 2 * row_stride_;
   std::uint16_t* normal = gradient + row_stride_;
-  std::uint16_t* scores = scores_.data() + static_cast<std::ptrdiff_t>(thread) * 2 * row_stride_;
+  std::uint16_t* scores =
+      buffers_.scores.data() + static_cast<std::ptrdiff_t>(thread) * 2 * row_stride_;
   CellEntry* row =
-      cells_.data() + static_cast<std::ptrdiff_t>(cell_y) * columns_ * kTemplatesPerCell;
+      buffers_.cells.data() + static_cast<std::ptrdiff_t>(cell_y) * columns_ * kTemplatesPerCell;
   std::fill_n(row, columns_ * kTemplatesPerCell,
               CellEntry{static_cast<std::uint16_t>(threshold - 1), 0, 0});
   for (int t = 0; t < template_count_; ++t) {
-    const Template& tpl = templates_[static_cast<std::size_t>(t)];
+    const Template& tpl = buffers_.templates[static_cast<std::size_t>(t)];
     for (int j = 0; j < 2; ++j) {
       kernels.scan_row(level.plain, (2 * cell_y + j) * level.plain.stride, level.width,
-                       &features_[static_cast<std::size_t>(tpl.first)], tpl.count, gradient,
+                       &buffers_.features[static_cast<std::size_t>(tpl.first)], tpl.count, gradient,
                        normal);
       std::uint16_t* out = scores + j * row_stride_;
       const ScoreScale scale = tpl.scale;
@@ -119,13 +121,13 @@ int Scanner::scan(const ObjectModel& model, int model_index, int distance_index,
     const int x = 2 * (i % columns_), y = 2 * (i / columns_);
     if (!gate.allows(level, x, y, model.info().scan_depth, distance_index)) continue;
     for (int k = 0; k < kTemplatesPerCell; ++k) {
-      const CellEntry& e = cells_[static_cast<std::size_t>(i * kTemplatesPerCell + k)];
+      const CellEntry& e = buffers_.cells[static_cast<std::size_t>(i * kTemplatesPerCell + k)];
       if (e.score < threshold) break;
       if (count == out.size()) {
         ++lost;
         continue;
       }
-      const Template& t = templates_[e.template_index];
+      const Template& t = buffers_.templates[e.template_index];
       Candidate c;
       c.x = static_cast<std::int16_t>(x);
       c.y = static_cast<std::int16_t>(y);

@@ -46,22 +46,26 @@ class Scanner {
     std::uint8_t pixel;
   };
 
+  struct Buffers {
+    std::span<Template> templates;
+    std::span<simd::ScanFeature> features;
+    std::span<CellEntry> cells;       // kTemplatesPerCell a cell, best first
+    std::span<std::uint16_t> sums;    // per thread: gradient, normal
+    std::span<std::uint16_t> scores;  // per thread: two rows
+  };
+  // The one list of what a scanner takes, from an Arena or an ArenaPlan.
   template <class Source>
-  void take(const ScanLimits& limits, Source& source);
+  static Buffers take(const ScanLimits& limits, Source& source);
   void load_templates(const ObjectModel& model, int distance_index, const ScalePlan& plan,
                       std::ptrdiff_t stride);
   void scan_cell_row(int cell_y, const PyramidLevel& level, const simd::KernelTable& kernels,
                      int threshold, int thread);
   void insert(CellEntry* cell, CellEntry entry) const;
 
-  int row_stride_ = 0;
+  int row_stride_;
   int template_count_ = 0;
   int columns_ = 0;
-  std::span<Template> templates_;
-  std::span<simd::ScanFeature> features_;
-  std::span<CellEntry> cells_;       // kTemplatesPerCell a cell, best first
-  std::span<std::uint16_t> sums_;    // per thread: gradient, normal
-  std::span<std::uint16_t> scores_;  // per thread: two rows
+  Buffers buffers_;
 };
 
 }  // namespace binpick

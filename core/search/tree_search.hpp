@@ -46,16 +46,17 @@ class TreeSearch {
                                  DetectionReport& report);
 
  private:
+  struct Buffers {
+    std::span<Candidate> candidates, children;
+    std::span<std::uint16_t> places;
+  };
+  // The one list of what a search takes beside its scanner, from an Arena or an ArenaPlan.
   template <class Source>
-  void take(const SearchLimits& limits, const SearchParams& params, Source& source);
+  static Buffers take(const SearchLimits& limits, const SearchParams& params, Source& source);
 
   SearchParams params_;
   Scanner scanner_;
-  std::span<Candidate> candidates_, children_;
-  std::span<std::uint16_t> places_;
+  Buffers buffers_;
 };
-
-// Scratch that lists what is taken once: see ArenaPlan.
-inline constexpr int kPlacePxMin = 8;
 
 }  // namespace binpick

@@ -41,6 +41,10 @@ struct BlockSums {
   alignas(32) std::uint16_t normal[16];
 };
 
+// Elements beyond a row that a kernel may read, or write into a buffer of sums: one register's
+// width.
+inline constexpr std::ptrdiff_t kReadAhead = 64;
+
 // Template offsets at another distance: half-offset = (offset * scale + 256) >> 9, scale in 1/256;
 // the pixel offset is twice that, so always even.
 inline int scaled_half_offset(int offset, int scale_q8) {

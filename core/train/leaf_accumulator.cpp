@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "binpick/train/errors.hpp"
+#include "train/random.hpp"
 
 namespace binpick::train {
 namespace {
@@ -25,17 +26,6 @@ constexpr std::size_t kContourStride = 2;
 constexpr int kContourVote = static_cast<int>(kContourStride) * kVoteUnits;
 // Different renderings that a viewpoint should find within its tilt jitter.
 constexpr double kRenderingsPerViewpoint = 80;
-
-struct Rng {  // splitmix64: small, seeded per block, so that no order of work matters
-  std::uint64_t state;
-  std::uint64_t next() {
-    std::uint64_t x = (state += 0x9E3779B97F4A7C15ull);
-    x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
-    x = (x ^ (x >> 27)) * 0x94D049BB133111EBull;
-    return x ^ (x >> 31);
-  }
-  double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
-};
 
 // Splits `units` between two neighbouring bins in proportion to the fraction.
 void add_split_vote(std::uint16_t* bins, int first, int second, float fraction, int units) {
@@ -119,8 +109,8 @@ void LeafAccumulator::fill_block(int block) {
   slot.row_first = slot.normal.size;
   slot.row_end = 0;
   const int wrapped = (block + blocks_.count) % blocks_.count;
-  Rng rng{(options_.seed << 40) ^ (static_cast<std::uint64_t>(leaf_index_) << 16) ^
-          static_cast<std::uint64_t>(wrapped)};
+  RandomSequence rng{(options_.seed << 40) ^ (static_cast<std::uint64_t>(leaf_index_) << 16) ^
+                     static_cast<std::uint64_t>(wrapped)};
   for (int k = 0; k < blocks_.samples_per_block; ++k) {
     const std::size_t pick =
         static_cast<std::size_t>(wrapped * blocks_.samples_per_block + k) % near_.size();

@@ -8,6 +8,7 @@
 
 #include "binpick/train/errors.hpp"
 #include "features/surface_slope.hpp"
+#include "train/random.hpp"
 
 namespace binpick::train {
 namespace {
@@ -22,15 +23,6 @@ constexpr double kScanWidthPxMin = 10;
 constexpr double kDegree = std::numbers::pi / 180;
 // Faces that meet at more than this angle show as an edge in the intensity image.
 const float kCreaseStep = 2 * std::sin(17.5f * static_cast<float>(kDegree));
-
-// Uniform in [0, 1) from a counter: independent of the order and the thread in which it is asked
-// for.
-double hashed_uniform(std::uint64_t seed, std::uint64_t index) {
-  std::uint64_t x = seed * 0x9E3779B97F4A7C15ull + index + 0x632BE59BD9B4E019ull;
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBull;
-  return static_cast<double>((x ^ (x >> 31)) >> 11) * 0x1.0p-53;
-}
 
 // Gradient direction of the normals at a crease (structure tensor over the three components), if
 // there is one.
@@ -91,7 +83,7 @@ TemplateCamera make_template_camera(const TrainOptions& options, const MeshBound
     ++out.base_level;
   }
   const double f = focal / (1 << out.base_level);
-  out.radius = static_cast<int>(std::ceil(f * diameter_mm / 2 / nearest)) + 3;
+  out.radius = static_cast<int>(std::ceil(reach_px / (1 << out.base_level))) + 3;
   out.radius = (out.radius + 7) / 8 * 8;
   Vec3 extents = bounds.max_mm - bounds.min_mm;
   std::sort(extents.data(), extents.data() + 3);

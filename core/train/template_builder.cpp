@@ -21,22 +21,36 @@ struct ParentSums {
   explicit ParentSums(int cells = 0) : gradient(cells), normal(cells) {}
 };
 
+// A pixel becomes a candidate where either modality has a dominant orientation.
+struct CandidateTest {
+  float scale;  // turns bin contents into frequencies
+  float gradient_threshold, normal_threshold;
+
+  CandidateTest(const TrainOptions& options, float scale_in)
+      : scale(scale_in),
+        gradient_threshold(static_cast<float>(options.gradient_threshold) /
+                           static_cast<float>(options.samples)),
+        normal_threshold(static_cast<float>(options.normal_threshold) /
+                         static_cast<float>(options.samples)) {}
+
+  template <class T>
+  void append(int x, int y, const T* gradient, const T* normal,
+              std::vector<FeatureCandidate>& out) const {
+    const FeatureCandidate c{x, y, dominant_orientation(gradient, scale, gradient_threshold),
+                             dominant_orientation(normal, scale, normal_threshold)};
+    if (c.gradient.bits != 0 || c.normal.bits != 0) out.push_back(c);
+  }
+};
+
 std::vector<FeatureCandidate> parent_candidates(const ParentSums& sums, const TrainOptions& options,
                                                 int step) {
   std::vector<FeatureCandidate> out;
   const float scale = 1.0f / static_cast<float>(sums.weight);
-  const float gradient_threshold =
-      static_cast<float>(options.gradient_threshold) / static_cast<float>(options.samples);
-  const float normal_threshold =
-      static_cast<float>(options.normal_threshold) / static_cast<float>(options.samples);
+  const CandidateTest test(options, scale);
   const int half = sums.gradient.size / 2;
   for (int y = half % step; y < sums.gradient.size; y += step) {
     for (int x = half % step; x < sums.gradient.size; x += step) {
-      const FeatureCandidate c{
-          x - half, y - half,
-          dominant_orientation(sums.gradient.cell(x, y), scale, gradient_threshold),
-          dominant_orientation(sums.normal.cell(x, y), scale, normal_threshold)};
-      if (c.gradient.bits != 0 || c.normal.bits != 0) out.push_back(c);
+      test.append(x - half, y - half, sums.gradient.cell(x, y), sums.normal.cell(x, y), out);
     }
   }
   return out;
@@ -149,18 +163,12 @@ std::vector<FeatureCandidate> leaf_candidates(const LeafHistograms& h,
                                               const TrainOptions& options) {
   std::vector<FeatureCandidate> out;
   const float scale = 1.0f / static_cast<float>(h.votes);
-  const float gradient_threshold =
-      static_cast<float>(options.gradient_threshold) / static_cast<float>(options.samples);
-  const float normal_threshold =
-      static_cast<float>(options.normal_threshold) / static_cast<float>(options.samples);
+  const CandidateTest test(options, scale);
   const int half = h.gradient.size / 2;
   for (int y = h.row_first; y < h.row_end; ++y) {
     for (int x = 0; x < h.normal.size; ++x) {
-      const FeatureCandidate c{
-          2 * x - half, 2 * y - half,
-          dominant_orientation(h.gradient.cell(2 * x, 2 * y), scale, gradient_threshold),
-          dominant_orientation(h.normal.cell(x, y), scale, normal_threshold)};
-      if (c.gradient.bits != 0 || c.normal.bits != 0) out.push_back(c);
+      test.append(2 * x - half, 2 * y - half, h.gradient.cell(2 * x, 2 * y), h.normal.cell(x, y),
+                  out);
     }
   }
   return out;

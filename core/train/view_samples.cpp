@@ -18,8 +18,7 @@ struct EdgePixel {
   bool is_silhouette;
 };
 
-// Direction of the normals' change at a crease, in px; the same test as for templates, without a
-// direction.
+// Whether the faces of two neighbouring pixels of one surface meet at a sharp angle here.
 bool is_crease(const RenderedView& view, int x, int y) {
   const int w = view.width;
   const float z = view.depth_mm[y * w + x];

@@ -10,11 +10,10 @@ tests/, tools/ everything
 The folders of core form a hierarchy: no two of them include each other, not even by a detour.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
-from source_tree import CPP_SUFFIXES, files, includes, text_of
+from source_tree import CPP_SUFFIXES, files, includes, run, text_of
 
 LIBRARIES = {  # first part of the path -> library
     "Eigen": "Eigen", "hwy": "Highway", "assimp": "assimp", "GL": "OSMesa",
@@ -169,14 +168,5 @@ def check(root):
     return faults
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("root", nargs="?", default=Path(__file__).resolve().parents[2])
-    faults = check(parser.parse_args().root)
-    for fault in faults:
-        print(fault)
-    return 1 if faults else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(check, __doc__))

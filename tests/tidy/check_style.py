@@ -7,7 +7,6 @@ work; every .cpp is listed in a CMakeLists.txt and every header is included some
 clang-format says, if it is installed.
 """
 
-import argparse
 import re
 import shutil
 import subprocess
@@ -15,7 +14,7 @@ import sys
 from pathlib import Path
 
 from cpp_functions import functions
-from source_tree import CPP_SUFFIXES, files, includes, text_of
+from source_tree import CPP_SUFFIXES, files, includes, run, text_of
 
 FILE_LINES_MAX = 400
 FUNCTION_LINES_MAX = 70
@@ -137,14 +136,5 @@ def check(root, with_format=True):
     return faults
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("root", nargs="?", default=Path(__file__).resolve().parents[2])
-    faults = check(parser.parse_args().root)
-    for fault in faults:
-        print(fault)
-    return 1 if faults else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(check, __doc__))

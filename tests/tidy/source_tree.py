@@ -1,5 +1,6 @@
-"""What both checkers need: the project's source files, and the include lines of one."""
+"""What both checkers need: the project's source files, its include lines, a command line."""
 
+import argparse
 import re
 from pathlib import Path
 
@@ -27,3 +28,13 @@ def includes(text):
     for match in INCLUDE.finditer(text):
         line = text.count("\n", 0, match.start()) + 1
         yield line, match.group(1) == '"', match.group(2)
+
+
+def run(check, description):
+    """Prints what `check` finds below the root that the command line names; the exit status."""
+    parser = argparse.ArgumentParser(description=description.splitlines()[0])
+    parser.add_argument("root", nargs="?", default=Path(__file__).resolve().parents[2])
+    faults = check(parser.parse_args().root)
+    for fault in faults:
+        print(fault)
+    return 1 if faults else 0
