@@ -9,6 +9,7 @@
 #include "pose/explain.hpp"
 #include "pose/hypothesis.hpp"
 #include "pose/ray_pose.hpp"
+#include "pose/screen.hpp"
 #include "search/tree_search.hpp"
 
 namespace binpick {
@@ -44,6 +45,7 @@ struct Detector::Impl {
         ownership(plan.pyramid.width_max >> kFeatureLevel, plan.pyramid.height_max >> kFeatureLevel,
                   arena),
         scale_plans(arena.take<ScalePlan>(models.size())),
+        screening(arena.take<Hypothesis>(plan.screening_max())),
         hypotheses(arena.take<Hypothesis>(kHypothesesMax)),
         detections(arena.take<Detection>(static_cast<std::size_t>(plan.results_max))) {}
 
@@ -74,6 +76,7 @@ struct Detector::Impl {
   TreeSearch search;
   SceneOwnership ownership;
   std::span<ScalePlan> scale_plans;
+  std::span<Hypothesis> screening;  // all leaf candidates of one model
   std::span<Hypothesis> hypotheses;
   std::span<Detection> detections;
 };
@@ -84,6 +87,7 @@ std::size_t Detector::footprint(std::span<const ObjectModel> models, const Detec
   ArenaPlan counted;
   counted.take<Impl>(1);
   counted.take<ScalePlan>(models.size());
+  counted.take<Hypothesis>(plan.screening_max());
   counted.take<Hypothesis>(kHypothesesMax);
   counted.take<Detection>(static_cast<std::size_t>(plan.results_max));
   return counted.bytes + FeaturePyramid::footprint(plan.pyramid) +
@@ -145,11 +149,12 @@ int Detector::Impl::search_model(int model_index, std::size_t room, int found,
   const SearchContext context{models, scale_plans, pyramid, kernels, params.layout, pool, clock};
   report.level_count =
       std::max(report.level_count, models[static_cast<std::size_t>(model_index)].depth_count());
+  const Scene scene(pyramid);
   const std::span<const Candidate> leaves = search.run(context, model_index, report);
-  return timed(Stage::kSuppress, report, [&] {
-    return found + make_hypotheses(models, leaves, pyramid,
-                                   hypotheses.subspan(static_cast<std::size_t>(found), room),
-                                   report);
+  return timed(Stage::kScreen, report, [&] {
+    return found + screen_candidates({models, scene, pool}, leaves, pyramid, screening,
+                                     hypotheses.subspan(static_cast<std::size_t>(found), room),
+                                     report);
   });
 }
 
@@ -157,7 +162,7 @@ int Detector::Impl::estimate_poses(int count, DetectionReport& report) {
   const Scene scene(pyramid);
   const PoseContext context{models, scene, pool};
   auto living = [&] { return hypotheses.first(static_cast<std::size_t>(count)); };
-  timed(Stage::kPnp, report, [&] { align_and_solve_pnp(context, living()); });
+  timed(Stage::kPnp, report, [&] { run_pnp(context, living()); });
   timed(Stage::kIcp, report, [&] { run_icp(context, living()); });
   timed(Stage::kVerify, report, [&] { run_verify(context, living()); });
   count = timed(Stage::kSuppress, report,

@@ -2,6 +2,7 @@
 // models, and the region of a frame that it works on.
 #pragma once
 
+#include <algorithm>
 #include <span>
 
 #include "binpick/detect/detector.hpp"
@@ -26,6 +27,12 @@ struct DetectorPlan {
   SearchParams search_params;
   NormalCodebook normal_codebook = NormalCodebook::kHemisphere;
   int results_max = 0;
+
+  // Leaf candidates of one model, at most: the limit of any depth, since a shallow tree ends early.
+  std::size_t screening_max() const {
+    return static_cast<std::size_t>(
+        *std::max_element(search_params.candidates_max, search_params.candidates_max + 4));
+  }
 };
 
 // All models must share one normal codebook (asserted; the programs check it when they load

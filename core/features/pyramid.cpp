@@ -60,7 +60,7 @@ float merged_depth(const float (&z)[4]) {
 }
 
 struct LevelMemory {
-  std::span<std::uint8_t> gray, valid, gradient, normal, blocks;
+  std::span<std::uint8_t> gray, valid, depth_edges, gradient, normal, blocks;
   std::span<float> depth, nx, ny;
 };
 
@@ -75,6 +75,7 @@ LevelMemory take_level(const PyramidPlan& plan, int l, Source& source) {
   m.nx = source.template take<float>(pixels);
   m.ny = source.template take<float>(pixels);
   m.valid = source.template take<std::uint8_t>(pixels);
+  if (l == kFeatureLevel) m.depth_edges = source.template take<std::uint8_t>(pixels);
   m.gradient = source.template take<std::uint8_t>(map);
   m.normal = source.template take<std::uint8_t>(map);
   if (plan.rearranged_from_level[l]) {
@@ -103,6 +104,7 @@ FeaturePyramid::FeaturePyramid(const PyramidPlan& plan, Arena& arena) : plan_(pl
     level.normal_x = m.nx.data();
     level.normal_y = m.ny.data();
     level.normal_valid = m.valid.data();
+    level.depth_edges = m.depth_edges.data();
     level.stride = image_stride(plan, l);
     level.border = plan.border;
     gradient_maps_[l] = m.gradient.data();
@@ -248,18 +250,20 @@ void FeaturePyramid::find_edges(const simd::KernelTable& kernels, WorkerPool& po
   std::uint8_t* thin =
       normal_maps_[kFeatureLevel] + (level.plain.normal - normal_maps_[kFeatureLevel]);
   const bool has_depth = depth_valid_;
+  std::memset(level.depth_edges, 0, static_cast<std::size_t>(level.stride * level.height));
   for_rows(pool, level.height, [&](int y) {
     if (y < 1 || y >= level.height - 1) return;
     std::uint8_t* bits = thin + y * level.plain.stride;
     const std::int32_t threshold = has_depth ? kStrongGradient : kGradientThreshold;
     kernels.gradient_row(level.gray + y * level.stride, level.stride, level.width,
                          threshold * threshold, bits);
+    std::uint8_t* steps = level.depth_edges + y * level.stride;
     for (int x = 1; x < level.width - 1; ++x) {
       const DepthStep step = depth_step(depth, x, y);
       if (!step.edge) continue;
-      bits[x] = static_cast<std::uint8_t>(bits[x] |
-                                          gradient_bit(static_cast<std::int32_t>(step.gx * 1024),
-                                                       static_cast<std::int32_t>(step.gy * 1024)));
+      steps[x] = gradient_bit(static_cast<std::int32_t>(step.gx * 1024),
+                              static_cast<std::int32_t>(step.gy * 1024));
+      bits[x] = static_cast<std::uint8_t>(bits[x] | steps[x]);
     }
   });
   // Measured outlines are off by a pixel or two: spread each to its neighbours.

@@ -27,8 +27,9 @@ struct PyramidLevel {
   float* normal_x = nullptr;  // in ray frames, valid where normal_valid
   float* normal_y = nullptr;
   std::uint8_t* normal_valid = nullptr;
-  std::ptrdiff_t stride = 0;  // of the four above
-  CameraIntrinsics camera;    // of the cropped level
+  std::uint8_t* depth_edges = nullptr;  // orientation bits of depth steps; of kFeatureLevel alone
+  std::ptrdiff_t stride = 0;            // of the ones above
+  CameraIntrinsics camera;              // of the cropped level
   simd::PlainMaps plain{};
   simd::RearrangedMap rearranged{};
   int border = 0;  // px of zeros around the maps

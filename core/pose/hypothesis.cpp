@@ -5,16 +5,12 @@
 
 #include "pose/icp.hpp"
 #include "pose/pnp.hpp"
-#include "pose/ray_pose.hpp"
 #include "pose/refine.hpp"
 
 namespace binpick {
 namespace {
 
 constexpr double kDegree = 3.14159265358979 / 180;
-// Candidates nearer to each other than this are one: half a leaf's spacing.
-constexpr double kSameRotation = 5 * kDegree;
-constexpr double kSamePositionShare = 0.03;  // of the diameter
 // After refinement: closer than this is the same pose.
 constexpr double kSameRefinedRotation = 2.5 * kDegree;
 constexpr double kSameRefinedShare = 0.015;
@@ -22,16 +18,6 @@ constexpr double kSameRefinedShare = 0.015;
 constexpr double kSamePlaceShare = 0.25;
 constexpr int kPnpRangePx = 6;
 constexpr int kCorrespondencesMax = 160;
-
-bool close(const Hypothesis& a, const Hypothesis& b, double position_mm, double rotation_rad) {
-  return a.candidate.model == b.candidate.model &&
-         (a.T_cam_centre.t_mm - b.T_cam_centre.t_mm).squaredNorm() < position_mm * position_mm &&
-         rotation_angle_between(a.T_cam_centre.R, b.T_cam_centre.R) < rotation_rad;
-}
-
-void count_drop(DetectionReport& report, DropReason reason) {
-  ++report.dropped[static_cast<std::size_t>(reason)];
-}
 
 template <class Fn>
 void for_living(const PoseContext& context, std::span<Hypothesis> hypotheses, Fn&& fn) {
@@ -51,41 +37,24 @@ bool sane(const Pose& T) {
 
 }  // namespace
 
-int make_hypotheses(std::span<const ObjectModel> models, std::span<const Candidate> leaves,
-                    const FeaturePyramid& pyramid, std::span<Hypothesis> out,
-                    DetectionReport& report) {
-  std::size_t count = 0;
-  for (const Candidate& c : leaves) {
-    const ObjectModel& model = models[c.model];
-    Hypothesis h;
-    h.candidate = c;
-    h.rank = c.score;
-    h.T_cam_centre = candidate_pose(model, model.depth_count() - 1, c, pyramid);
-    const double limit_mm = kSamePositionShare * model.info().diameter_mm;
-    const bool repeated =
-        std::any_of(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(count),
-                    [&](const Hypothesis& o) { return close(o, h, limit_mm, kSameRotation); });
-    if (repeated) {
-      count_drop(report, DropReason::kDuplicate);
-    } else if (count == out.size()) {
-      count_drop(report, DropReason::kLevelLimit);
-    } else {
-      out[count++] = h;
-    }
-  }
-  return static_cast<int>(count);
+bool same_pose(const Hypothesis& a, const Hypothesis& b, double position_mm, double rotation_rad) {
+  return a.candidate.model == b.candidate.model &&
+         (a.T_cam_centre.t_mm - b.T_cam_centre.t_mm).squaredNorm() < position_mm * position_mm &&
+         rotation_angle_between(a.T_cam_centre.R, b.T_cam_centre.R) < rotation_rad;
 }
 
-void align_and_solve_pnp(const PoseContext& context, std::span<Hypothesis> hypotheses) {
+bool better_hypothesis(const Hypothesis& a, const Hypothesis& b) {
+  if (a.alive != b.alive) return a.alive;
+  if (a.rank != b.rank) return a.rank > b.rank;
+  return a.candidate < b.candidate;
+}
+
+void count_drop(DetectionReport& report, DropReason reason) {
+  ++report.dropped[static_cast<std::size_t>(reason)];
+}
+
+void run_pnp(const PoseContext& context, std::span<Hypothesis> hypotheses) {
   for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
-    const ModelInfo& info = model.info();
-    const double range_mm =
-        0.5 * info.diameter_mm + 0.75 * (info.distance_max_mm - info.distance_min_mm) /
-                                     model.depth(model.depth_count() - 1).distance_count;
-    if (!align_depth(model, context.scene, range_mm, h.T_cam_centre)) {
-      h.drop(DropReason::kPoseDiverged);
-      return;
-    }
     Correspondence found[kCorrespondencesMax];
     const int count =
         template_correspondences(model, context.scene, h.T_cam_centre, kPnpRangePx, found);
@@ -96,7 +65,7 @@ void align_and_solve_pnp(const PoseContext& context, std::span<Hypothesis> hypot
     // Edges alone leave the distance loose; what they say about the rest of the pose must stay near
     // the template.
     const bool near = rotation_angle_between(solved.R, h.T_cam_centre.R) < 15 * kDegree &&
-                      (solved.t_mm - h.T_cam_centre.t_mm).norm() < 0.1 * info.diameter_mm;
+                      (solved.t_mm - h.T_cam_centre.t_mm).norm() < 0.1 * model.info().diameter_mm;
     if (result.converged && near && sane(solved)) h.T_cam_centre = solved;
   });
 }
@@ -135,11 +104,7 @@ int suppress(std::span<const ObjectModel> models, std::span<Hypothesis> hypothes
   for (const Hypothesis& h : hypotheses) {
     if (!h.alive) count_drop(report, h.drop_reason);
   }
-  std::sort(hypotheses.begin(), hypotheses.end(), [](const Hypothesis& a, const Hypothesis& b) {
-    if (a.alive != b.alive) return a.alive;
-    if (a.rank != b.rank) return a.rank > b.rank;
-    return a.candidate < b.candidate;
-  });
+  std::sort(hypotheses.begin(), hypotheses.end(), better_hypothesis);
   std::size_t kept = 0;
   for (const Hypothesis& h : hypotheses) {
     if (!h.alive) break;
@@ -149,7 +114,7 @@ int suppress(std::span<const ObjectModel> models, std::span<Hypothesis> hypothes
     for (std::size_t k = 0; k < kept && !repeated; ++k) {
       const Hypothesis& better = hypotheses[k];
       if (better.candidate.model != h.candidate.model) continue;
-      repeated = close(better, h, kSameRefinedShare * diameter, kSameRefinedRotation);
+      repeated = same_pose(better, h, kSameRefinedShare * diameter, kSameRefinedRotation);
       here += (better.T_cam_centre.t_mm - h.T_cam_centre.t_mm).norm() < kSamePlaceShare * diameter;
     }
     if (repeated || here >= per_place) {

@@ -26,11 +26,11 @@ struct Hypothesis {
   }
 };
 
-// Poses of leaf candidates; of those that differ by less than the leaves' spacing the best one
-// stays (non-maximum suppression in 6D). Returns how many were written to `out`, best first.
-int make_hypotheses(std::span<const ObjectModel> models, std::span<const Candidate> leaves,
-                    const FeaturePyramid& pyramid, std::span<Hypothesis> out,
-                    DetectionReport& report);
+// Living before dropped, then by rank; a total order.
+bool better_hypothesis(const Hypothesis& a, const Hypothesis& b);
+// Whether two poses of one model differ by less than the limits.
+bool same_pose(const Hypothesis& a, const Hypothesis& b, double position_mm, double rotation_rad);
+void count_drop(DetectionReport& report, DropReason reason);
 
 // Each stage works on every living hypothesis on its own.
 struct PoseContext {
@@ -38,7 +38,7 @@ struct PoseContext {
   const Scene& scene;
   WorkerPool& pool;
 };
-void align_and_solve_pnp(const PoseContext& context, std::span<Hypothesis> hypotheses);
+void run_pnp(const PoseContext& context, std::span<Hypothesis> hypotheses);
 void run_icp(const PoseContext& context, std::span<Hypothesis> hypotheses);
 void run_refine(const PoseContext& context, std::span<Hypothesis> hypotheses);
 void run_verify(const PoseContext& context, std::span<Hypothesis> hypotheses);

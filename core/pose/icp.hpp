@@ -25,10 +25,10 @@ struct IcpResult {
   double rms_mm = 0;  // point to plane, over those
 };
 
-// Robust point-to-plane ICP with projective association: each visible sample is paired with the depth
-// measured at its pixel. Basin: about 10 degrees and a tenth of the part's diameter where three faces
-// are in sight; along a plate seen from the front it slides, and only refine()'s contours hold it
-// (tests/core/icp_test.cpp).
+// Robust point-to-plane ICP with projective association: each visible sample is paired with the
+// depth measured at its pixel. Basin: about 10 degrees and a tenth of the part's diameter where
+// three faces are in sight; along a plate seen from the front it slides, and only refine()'s
+// contours hold it (tests/core/icp_test.cpp).
 IcpResult icp(const ObjectModel& model, const Scene& scene, const IcpParams& params,
               Pose& T_cam_centre);
 

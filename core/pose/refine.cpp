@@ -7,7 +7,7 @@
 namespace binpick {
 
 void refine(const ObjectModel& model, const Scene& scene, const RefineParams& params, Pose& T) {
-  const double depth_sigma_mm = scene.sensor_sigma_ratio * T.t_mm.z();
+  const double depth_sigma_mm = scene.depth_noise_mm(T.t_mm.z());
   const double depth_tolerance_mm = 0.02 * model.info().diameter_mm + 0.003 * T.t_mm.z();
   const double radius = model.info().diameter_mm / 4;
   const int last = params.iterations_max - 1;

@@ -11,12 +11,16 @@ namespace binpick {
 struct Scene {
   const PyramidLevel& depth;      // level at which normals were fitted: depth averaged over 2x2 px
   const PyramidLevel& intensity;  // level 0
-  double sensor_sigma_ratio;      // depth noise as a share of the depth
 
   explicit Scene(const FeaturePyramid& pyramid)
-      : depth(pyramid.level(kFeatureLevel)),
-        intensity(pyramid.level(0)),
-        sensor_sigma_ratio(0.0006) {}
+      : depth(pyramid.level(kFeatureLevel)), intensity(pyramid.level(0)) {}
+
+  // Depth error to reckon with at one point, shape distorted by the sensor's window included. A
+  // triangulating sensor finds its matches to a fraction of a pixel, and its baseline is a fraction
+  // of the distance: the product is about the width that a pixel covers on the surface.
+  double depth_error_mm(double depth_mm) const { return 1.1 * depth_mm / intensity.camera.fx; }
+  // Its random part, which averages out over a surface.
+  double depth_noise_mm(double depth_mm) const { return 0.5 * depth_mm / intensity.camera.fx; }
 
   // What the depth level shows where a point projects to.
   struct Measurement {

@@ -21,7 +21,7 @@ struct Tolerances {
 };
 
 Tolerances tolerances(const ObjectModel& model, const Scene& scene, const Pose& T) {
-  const double noise = scene.sensor_sigma_ratio * T.t_mm.z();
+  const double noise = scene.depth_error_mm(T.t_mm.z());
   const double fit = std::max(2 * noise, 0.008 * model.info().diameter_mm);
   return {fit, 3 * fit + 2 * noise};
 }
@@ -70,15 +70,18 @@ void add_surface(const ObjectModel& model, const Scene& scene, const Pose& T, co
   }
 }
 
-// Whether a depth edge of the contour's direction lies at its place.
+// Whether a depth step of the contour's direction lies at its place or beside it.
 bool on_depth_edge(const Scene& scene, const Vec3& point_cam, const Vec2& normal) {
   const PyramidLevel& level = scene.depth;
   const auto [u, v, depth_mm] = scene.measured_at(point_cam);
   if (u < 1 || v < 1 || u >= level.width - 1 || v >= level.height - 1) return false;
+  const std::ptrdiff_t stride = level.stride;
+  const std::uint8_t* at = level.depth_edges + v * stride + u;
+  const unsigned steps = static_cast<unsigned>(at[0] | at[-1] | at[1] | at[-stride] | at[stride]);
   const double turn = std::atan2(normal.y(), normal.x()) * 8 / std::numbers::pi + 16.5;
   const int bin = static_cast<int>(turn) & 7;
   const unsigned near = (1u << bin) | (1u << ((bin + 1) & 7)) | (1u << ((bin + 7) & 7));
-  return (level.plain.gradient[v * level.plain.stride + u] & near) != 0;
+  return (steps & near) != 0;
 }
 
 void add_contours(const ObjectModel& model, const Scene& scene, const Pose& T,

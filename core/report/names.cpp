@@ -34,6 +34,8 @@ const char* stage_name(Stage stage) {
       return "scan";
     case Stage::kDescend:
       return "descend";
+    case Stage::kScreen:
+      return "screen";
     case Stage::kSuppress:
       return "suppress";
     case Stage::kPnp:

@@ -16,7 +16,7 @@ namespace binpick {
 // visible parts.
 struct SearchParams {
   double score_min = 0.9;  // of both modalities together, 0..2, at every depth
-  int candidates_max[4] = {8000, 5000, 3000, 3000};
+  int candidates_max[4] = {16000, 10000, 6000, 6000};
   int per_place_max[4] = {24, 12, 8, 8};
 };
 

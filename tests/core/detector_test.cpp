@@ -325,7 +325,7 @@ TEST(Detector, HoldsWithScatteredMissingDepth) {
   for (auto& z : holes.depth_mm) {
     if (random() % 10 == 0) z = std::numeric_limits<float>::quiet_NaN();
   }
-  expect_all_found(rig.detect(holes.frame()).value(), holes.truth, 2, 2.5);
+  expect_all_found(rig.detect(holes.frame()).value(), holes.truth, 2, 1);
 }
 
 TEST(Detector, WorksOnOneOfTheImagesAlone) {

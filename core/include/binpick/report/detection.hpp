@@ -41,6 +41,7 @@ enum class Stage : int {
   kPyramid = 0,
   kScan,
   kDescend,
+  kScreen,
   kSuppress,
   kPnp,
   kIcp,
@@ -48,7 +49,7 @@ enum class Stage : int {
   kVerify,
   kExplain
 };
-inline constexpr int kStageCount = 9;
+inline constexpr int kStageCount = 10;
 const char* stage_name(Stage stage);
 
 inline constexpr int kTreeLevelsMax = 5;

@@ -1,0 +1,100 @@
+#include "pose/screen.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "pose/icp.hpp"
+#include "pose/ray_pose.hpp"
+#include "pose/view_lookup.hpp"
+
+namespace binpick {
+namespace {
+
+constexpr int kSamplesMax = 64;
+// A leaf's pose is off by up to half its spacing: about 5 degrees at half a diameter.
+constexpr double kLeafErrorShare = 0.04;  // of the diameter
+// Support counts fully once this share of the surface is measured and not hidden.
+constexpr double kSeenEnough = 0.3;
+// Candidates nearer to each other than this are one: half a leaf's spacing.
+constexpr double kSameRotation = 5 * std::numbers::pi / 180;
+constexpr double kSamePositionShare = 0.03;  // of the diameter
+
+// Share of the visible surface, as far as it is measured and not hidden, at which the measured one
+// lies.
+double surface_support(const ObjectModel& model, const Scene& scene, const Pose& T) {
+  const auto surface = model.surface(nearest_viewpoint(model, T));
+  const std::size_t step = surface.size() / kSamplesMax + 1;
+  const double tolerance_mm =
+      kLeafErrorShare * model.info().diameter_mm + 2 * scene.depth_error_mm(T.t_mm.z());
+  int samples = 0, seen = 0, supported = 0;
+  for (std::size_t i = 0; i < surface.size(); i += step) {
+    ++samples;
+    const Vec3 p = T * position_of(surface[i]);
+    const auto [u, v, z] = scene.measured_at(p);
+    if (!(z > 0)) continue;
+    const Vec3 n = T.R * normal_of(surface[i]);
+    const double r = n.dot(scene.depth.camera.unproject(u, v, z) - p);
+    if (z < p.z() && r > tolerance_mm) continue;  // hidden
+    ++seen;
+    supported += std::abs(r) <= tolerance_mm;
+  }
+  return supported / std::max<double>(seen, kSeenEnough * samples);
+}
+
+Hypothesis screened(const PoseContext& context, const Candidate& candidate,
+                    const FeaturePyramid& pyramid) {
+  const ObjectModel& model = context.models[candidate.model];
+  const ModelInfo& info = model.info();
+  const int leaf = model.depth_count() - 1;
+  Hypothesis h;
+  h.candidate = candidate;
+  h.T_cam_centre = candidate_pose(model, leaf, candidate, pyramid);
+  const double interval_mm =
+      (info.distance_max_mm - info.distance_min_mm) / model.depth(leaf).distance_count;
+  const double range_mm = 0.5 * info.diameter_mm + 0.75 * interval_mm;
+  if (!align_depth(model, context.scene, range_mm, h.T_cam_centre)) {
+    h.drop(DropReason::kPoseDiverged);
+    return h;
+  }
+  h.rank = candidate.score * surface_support(model, context.scene, h.T_cam_centre);
+  return h;
+}
+
+}  // namespace
+
+int screen_candidates(const PoseContext& context, std::span<const Candidate> leaves,
+                      const FeaturePyramid& pyramid, std::span<Hypothesis> scratch,
+                      std::span<Hypothesis> out, DetectionReport& report) {
+  BINPICK_ASSERT(scratch.size() >= leaves.size());
+  constexpr int kPerTask = 16;
+  const int count = static_cast<int>(leaves.size());
+  context.pool.parallel_for((count + kPerTask - 1) / kPerTask, [&](int task, int) {
+    for (int i = task * kPerTask; i < std::min(count, (task + 1) * kPerTask); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      scratch[at] = screened(context, leaves[at], pyramid);
+    }
+  });
+  const std::span<Hypothesis> ranked = scratch.first(leaves.size());
+  std::sort(ranked.begin(), ranked.end(), better_hypothesis);
+  std::size_t kept = 0;
+  for (const Hypothesis& h : ranked) {
+    const double limit_mm =
+        kSamePositionShare * context.models[h.candidate.model].info().diameter_mm;
+    if (!h.alive) {
+      count_drop(report, h.drop_reason);
+    } else if (kept == out.size()) {
+      count_drop(report, DropReason::kLevelLimit);
+    } else if (std::any_of(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(kept),
+                           [&](const Hypothesis& better) {
+                             return same_pose(better, h, limit_mm, kSameRotation);
+                           })) {
+      count_drop(report, DropReason::kDuplicate);
+    } else {
+      out[kept++] = h;
+    }
+  }
+  return static_cast<int>(kept);
+}
+
+}  // namespace binpick
