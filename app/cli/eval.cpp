@@ -9,7 +9,9 @@
 #include "cli/arguments.hpp"
 #include "cli/commands.hpp"
 #include "cli/id_list.hpp"
+#include "cli/number_between.hpp"
 #include "cli/progress.hpp"
+#include "cli/template_options.hpp"
 #include "eval/eval_json.hpp"
 #include "eval/evaluation.hpp"
 #include "eval/report_html.hpp"
@@ -161,25 +163,26 @@ void add_eval_command(CLI::App& app, int& exit_status) {
   command->add_option("--model-cache", o->model_cache,
                       "Folder that keeps trained models between runs");
   command->add_option("--threads", o->threads, "Threads of training and search")
-      ->check(CLI::Range(1, 256))
+      ->check(number_between(1, 256))
       ->capture_default_str();
   command->add_option("--json", o->json, "Write scores and the account of each frame as JSON");
   command->add_option("--report", o->report, "Folder for report.html");
   command->add_option("--max-results", o->settings.max_results, "Poses per frame, at most")
-      ->check(CLI::Range(1, 1024))
+      ->check(number_between(1, 1024))
       ->capture_default_str();
   command->add_option("--min-score", o->settings.min_score, "Leave out poses with a lower score")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(number_between(0.0, 1.0))
       ->capture_default_str();
   command
       ->add_option("--threshold", o->threshold,
                    "Score at which F1 is reported besides the best one")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(number_between(0.0, 1.0))
       ->capture_default_str();
   command->add_option("--layout", o->layout, "Memory layout of the feature maps")
       ->check(CLI::IsMember({"plain", "rearranged"}))
       ->capture_default_str();
   command->add_option("--isa", o->isa, "best, scalar, sse4, avx2 or avx512")->capture_default_str();
+  add_template_options(*command, o->train);
   command->callback([o, &exit_status] {
     take_settings(*o);
     exit_status = run(*o);

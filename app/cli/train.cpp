@@ -7,9 +7,9 @@
 #include "binpick/train/trainer.hpp"
 #include "cli/arguments.hpp"
 #include "cli/commands.hpp"
-#include "cli/model_summary.hpp"
 #include "cli/number_between.hpp"
 #include "cli/progress.hpp"
+#include "cli/template_options.hpp"
 #include "replace_file.hpp"
 #include "setup_error.hpp"
 #include "thread_pool.hpp"
@@ -19,7 +19,6 @@ namespace {
 
 struct TrainArguments {
   std::string mesh, output, camera, distance_mm, unit;
-  std::string normal_codebook = codebook_name(train::TrainOptions{}.normal_codebook);
   int threads = default_thread_count();
   train::TrainOptions options;
 };
@@ -51,9 +50,6 @@ int train_part(TrainArguments arguments) {
     options.distance_min_mm = min_mm;
     options.distance_max_mm = max_mm;
   }
-  options.normal_codebook = arguments.normal_codebook == codebook_name(NormalCodebook::kAzimuth)
-                                ? NormalCodebook::kAzimuth
-                                : NormalCodebook::kHemisphere;
   check_replaceable(arguments.output);
   const train::ImportedMesh part = train::import_mesh(arguments.mesh, unit);
   for (const std::string& note : part.notes)
@@ -73,41 +69,6 @@ int train_part(TrainArguments arguments) {
               arguments.output.c_str(), part.mesh.triangles.size(), elapsed_s, arguments.threads,
               static_cast<double>(model.size()) * 1e-6);
   return 0;
-}
-
-void add_template_options(CLI::App& command, TrainArguments& arguments) {
-  train::TrainOptions& options = arguments.options;
-  const char* const group = "Templates (defaults are the paper's)";
-  const auto add = [&]<class T>(const char* name, T& value, const char* what, T min, T max) {
-    command.add_option(name, value, what)
-        ->check(number_between(min, max))
-        ->capture_default_str()
-        ->group(group);
-  };
-  add("--samples", options.samples, "Randomized renderings a template", 1, 100000);
-  add("--gradient-threshold", options.gradient_threshold,
-      "Votes, of the samples, that a gradient orientation needs", 1, 100000);
-  add("--normal-threshold", options.normal_threshold,
-      "Votes, of the samples, that a normal orientation needs", 1, 100000);
-  add("--tilt-jitter-deg", options.tilt_jitter_deg, "Samples tilt by up to this, +-", 0.0, 45.0);
-  add("--roll-jitter-deg", options.roll_jitter_deg, "Samples roll by up to this, +-", 0.0, 45.0);
-  add("--distance-jitter-mm", options.distance_jitter_mm, "Samples move by up to this, +-", 0.0,
-      1e4);
-  add("--roll-interval-deg", options.roll_interval_deg, "Roll from leaf to leaf", 1.0, 90.0);
-  add("--distance-interval-mm", options.distance_interval_mm, "Distance from leaf to leaf, at most",
-      1.0, 1e4);
-  add("--tree-depths", options.tree_depths, "Depths of the pose tree: 4 end at 642 viewpoints", 1,
-      4);
-  add("--contour-features", options.contour_features,
-      "Pixels of a template with a gradient orientation, at most", 1, 4096);
-  add("--surface-features", options.surface_features,
-      "Further pixels with a normal orientation only, at most", 0, 4096);
-  command
-      .add_option("--normal-codebook", arguments.normal_codebook,
-                  "How normals are quantized: hemisphere, or azimuth as in the paper")
-      ->check(CLI::IsMember({"hemisphere", "azimuth"}))
-      ->capture_default_str()
-      ->group(group);
 }
 
 }  // namespace
@@ -134,7 +95,7 @@ void add_train_command(CLI::App& app, int& exit_status) {
   command.add_option("--seed", options.seed, "Seed of the random samples")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  add_template_options(command, *arguments);
+  add_template_options(command, options);
   command.callback([arguments, &exit_status] { exit_status = train_part(*arguments); });
 }
 

@@ -81,21 +81,25 @@ int match_children(const DescendContext& context, int depth, const Candidate& pa
 
 }  // namespace
 
-std::int64_t descend(const DescendContext& context, int depth, std::span<const Candidate> parents,
-                     std::span<Candidate> children, WorkerPool& pool) {
+DescendCounts descend(const DescendContext& context, int depth, std::span<const Candidate> parents,
+                      std::span<Candidate> children, WorkerPool& pool) {
   constexpr int kParentsPerTask = 32;
   const int count = static_cast<int>(parents.size());
   std::atomic<std::int64_t> matched{0};
+  std::atomic<int> ended{0};
   pool.parallel_for((count + kParentsPerTask - 1) / kParentsPerTask, [&](int task, int) {
     std::int64_t own = 0;
+    int own_ended = 0;
     for (int i = task * kParentsPerTask; i < std::min(count, (task + 1) * kParentsPerTask); ++i) {
       Candidate* out = &children[static_cast<std::size_t>(i) * kChildrenKept];
       std::fill_n(out, kChildrenKept, Candidate{});
       own += match_children(context, depth, parents[static_cast<std::size_t>(i)], out);
+      own_ended += out->score == 0;
     }
     matched += own;
+    ended += own_ended;
   });
-  return matched;
+  return {matched, ended};
 }
 
 int select_candidates(std::span<Candidate> candidates, int limit, int per_place, int place_px,

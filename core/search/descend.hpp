@@ -25,11 +25,16 @@ struct DescendContext {
   int threshold;
 };
 
+struct DescendCounts {
+  std::int64_t templates_matched = 0;
+  int parents_ended = 0;  // without a child that reaches the threshold
+};
+
 // Matches the children of `parents` (nodes of depth `depth` - 1) at depth `depth`. children has
 // room for kChildrenKept per parent; entry i * kChildrenKept + k is the k-th best child of parent
-// i; unused ones have score 0. Returns the number of templates matched.
-std::int64_t descend(const DescendContext& context, int depth, std::span<const Candidate> parents,
-                     std::span<Candidate> children, WorkerPool& pool);
+// i; unused ones have score 0.
+DescendCounts descend(const DescendContext& context, int depth, std::span<const Candidate> parents,
+                      std::span<Candidate> children, WorkerPool& pool);
 
 // Sorts candidates best first and keeps at most `limit` of them, and at most `per_place` in each
 // square of `place_px` pixels (of level 0) per model, so that a few well-visible parts do not take

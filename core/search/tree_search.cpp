@@ -79,9 +79,11 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
                                          context.kernels, context.layout, threshold};
     const std::span<Candidate> children =
         buffers_.children.first(static_cast<std::size_t>(count) * kChildrenKept);
-    report.templates_evaluated[static_cast<std::size_t>(d)] +=
+    const DescendCounts counts =
         descend(descend_context, d, buffers_.candidates.first(static_cast<std::size_t>(count)),
                 children, context.pool);
+    report.templates_evaluated[static_cast<std::size_t>(d)] += counts.templates_matched;
+    report.dropped[static_cast<int>(DropReason::kBelowMatchThreshold)] += counts.parents_ended;
     report.level_ms[static_cast<std::size_t>(d)] += watch.elapsed_ms();
     std::copy(children.begin(), children.end(), buffers_.candidates.begin());
     count = select_candidates(buffers_.candidates.first(children.size()),
