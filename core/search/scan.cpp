@@ -71,8 +71,20 @@ void Scanner::insert(CellEntry* cell, CellEntry entry) const {
   cell[at] = entry;
 }
 
-void Scanner::scan_cell_row(int cell_y, const PyramidLevel& level, const simd::KernelTable& kernels,
-                            int threshold, int thread) {
+Scanner::CellSpan Scanner::open_cells(int cell_y, const PyramidLevel& level,
+                                      const DistanceGate& gate, int depth,
+                                      int distance_index) const {
+  const auto open = [&](int c) {
+    return gate.allows(level, 2 * c, 2 * cell_y, depth, distance_index);
+  };
+  CellSpan span{0, columns_};
+  while (span.first < span.end && !open(span.first)) ++span.first;
+  while (span.first < span.end && !open(span.end - 1)) --span.end;
+  return span;
+}
+
+void Scanner::scan_cell_row(int cell_y, CellSpan span, const PyramidLevel& level,
+                            const simd::KernelTable& kernels, int threshold, int thread) {
   std::uint16_t* gradient =
       buffers_.sums.data() + static_cast<std::ptrdiff_t>(thread) * 2 * row_stride_;
   std::uint16_t* normal = gradient + row_stride_;
@@ -82,19 +94,22 @@ void Scanner::scan_cell_row(int cell_y, const PyramidLevel& level, const simd::K
       buffers_.cells.data() + static_cast<std::ptrdiff_t>(cell_y) * columns_ * kTemplatesPerCell;
   std::fill_n(row, columns_ * kTemplatesPerCell,
               CellEntry{static_cast<std::uint16_t>(threshold - 1), 0, 0});
+  if (span.first >= span.end) return;
+  const int x_first = 2 * span.first, width = 2 * (span.end - span.first);
   for (int t = 0; t < template_count_; ++t) {
     const Template& tpl = buffers_.templates[static_cast<std::size_t>(t)];
     for (int j = 0; j < 2; ++j) {
-      kernels.scan_row(level.plain, (2 * cell_y + j) * level.plain.stride, level.width,
+      kernels.scan_row(level.plain, (2 * cell_y + j) * level.plain.stride + x_first, width,
                        &buffers_.features[static_cast<std::size_t>(tpl.first)], tpl.count, gradient,
                        normal);
       std::uint16_t* out = scores + j * row_stride_;
       const ScoreScale scale = tpl.scale;
-      for (int x = 0; x < level.width; ++x) out[x] = scale.score(gradient[x], normal[x]);
+      for (int x = 0; x < width; ++x) out[x] = scale.score(gradient[x], normal[x]);
     }
-    for (int c = 0; c < columns_; ++c) {
-      const std::uint16_t quad[4] = {scores[2 * c], scores[2 * c + 1], scores[row_stride_ + 2 * c],
-                                     scores[row_stride_ + 2 * c + 1]};
+    for (int c = span.first; c < span.end; ++c) {
+      const std::uint16_t* upper = scores + 2 * (c - span.first);
+      const std::uint16_t* lower = upper + row_stride_;
+      const std::uint16_t quad[4] = {upper[0], upper[1], lower[0], lower[1]};
       const int best = static_cast<int>(std::max_element(quad, quad + 4) - quad);
       CellEntry* cell = row + c * kTemplatesPerCell;
       if (quad[best] > cell[kTemplatesPerCell - 1].score) {
@@ -113,10 +128,12 @@ int Scanner::scan(const ObjectModel& model, int model_index, int distance_index,
   load_templates(model, distance_index, plan, level.plain.stride);
   columns_ = level.width / 2;
   const int rows = level.height / 2;
-  pool.parallel_for(
-      rows, [&](int y, int thread) { scan_cell_row(y, level, kernels, threshold, thread); });
-  std::size_t count = 0;
   const DistanceGate gate(model);
+  pool.parallel_for(rows, [&](int y, int thread) {
+    const CellSpan span = open_cells(y, level, gate, model.info().scan_depth, distance_index);
+    scan_cell_row(y, span, level, kernels, threshold, thread);
+  });
+  std::size_t count = 0;
   for (int i = 0; i < rows * columns_; ++i) {
     const int x = 2 * (i % columns_), y = 2 * (i / columns_);
     if (!gate.allows(level, x, y, model.info().scan_depth, distance_index)) continue;

@@ -9,6 +9,7 @@
 #include "binpick/base/worker_pool.hpp"
 #include "features/pyramid.hpp"
 #include "search/candidate.hpp"
+#include "search/distance_gate.hpp"
 #include "search/scale_plan.hpp"
 
 namespace binpick {
@@ -58,8 +59,14 @@ class Scanner {
   static Buffers take(const ScanLimits& limits, Source& source);
   void load_templates(const ObjectModel& model, int distance_index, const ScalePlan& plan,
                       std::ptrdiff_t stride);
-  void scan_cell_row(int cell_y, const PyramidLevel& level, const simd::KernelTable& kernels,
-                     int threshold, int thread);
+  // The cells of a row between the first and the last at which the distance is possible.
+  struct CellSpan {
+    int first, end;
+  };
+  CellSpan open_cells(int cell_y, const PyramidLevel& level, const DistanceGate& gate, int depth,
+                      int distance_index) const;
+  void scan_cell_row(int cell_y, CellSpan span, const PyramidLevel& level,
+                     const simd::KernelTable& kernels, int threshold, int thread);
   void insert(CellEntry* cell, CellEntry entry) const;
 
   int row_stride_;
