@@ -46,6 +46,7 @@ ordered_json to_json(const DetectionReport& report, std::span<const std::string>
     json["detections"].push_back(to_json(d, model_names));
   }
   json["total_ms"] = report.total_ms;
+  json["cut_short"] = report.cut_short;
   for (int i = 0; i < kStageCount; ++i) {
     json["stage_ms"][stage_name(static_cast<Stage>(i))] = report.stage_ms[i];
   }

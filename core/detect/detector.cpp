@@ -20,6 +20,8 @@ namespace {
 constexpr double kOwnedShareMax = 0.35;
 constexpr double kVisibleFractionMin = 0.2;
 constexpr int kPerPlaceAfterIcp = 6;
+// Of the time up to a deadline; the rest is for the poses.
+constexpr double kSearchShare = 0.6;
 
 // Best score first; ties are broken by the pose, so that the order is always the same.
 bool better_detection(const Detection& a, const Detection& b) {
@@ -50,8 +52,9 @@ struct Detector::Impl {
         detections(arena.take<Detection>(static_cast<std::size_t>(plan.results_max))) {}
 
   Result<DetectionReport> detect(const Frame& frame, const DetectRequest& request);
-  int search_model(int model_index, std::size_t room, int found, DetectionReport& report);
-  int estimate_poses(int count, DetectionReport& report);
+  int search_model(int model_index, std::size_t room, int found, const Deadline& deadline,
+                   DetectionReport& report);
+  int estimate_poses(int count, const Deadline& deadline, DetectionReport& report);
   void explain(const Frame& frame, const DetectRequest& request, int count,
                DetectionReport& report);
   Detection detection_of(const Hypothesis& h) const;
@@ -116,6 +119,7 @@ Result<DetectionReport> Detector::detect(const Frame& frame,
 
 Result<DetectionReport> Detector::Impl::detect(const Frame& frame, const DetectRequest& request) {
   const Stopwatch watch(clock);
+  const Deadline deadline{clock, request.deadline_ns};
   const Result<Roi> region = region_of(frame, plan);
   if (!region.ok()) return region.error();
   DetectionReport report;
@@ -123,6 +127,7 @@ Result<DetectionReport> Detector::Impl::detect(const Frame& frame, const DetectR
         [&] { pyramid.build(frame, region.value(), plan.normal_codebook, kernels, pool); });
   const int wanted = request.model_indices.empty() ? static_cast<int>(models.size())
                                                    : static_cast<int>(request.model_indices.size());
+  const Deadline search_end = deadline.after_share(kSearchShare);
   int found = 0;
   for (int i = 0; i < wanted; ++i) {
     const int m =
@@ -135,9 +140,11 @@ Result<DetectionReport> Detector::Impl::detect(const Frame& frame, const DetectR
     scale_plans[static_cast<std::size_t>(m)] = scale.value();
     found = search_model(
         m, std::min(kHypothesesPerModel, kHypothesesMax / static_cast<std::size_t>(wanted)), found,
-        report);
+        search_end, report);
+    report.cut_short |= search_end.passed();
   }
-  found = estimate_poses(found, report);
+  found = estimate_poses(found, deadline, report);
+  report.cut_short |= report.dropped[static_cast<int>(DropReason::kDeadline)] > 0;
   timed(Stage::kExplain, report, [&] { explain(frame, request, found, report); });
   report.total_ms = watch.elapsed_ms();
   return report;
@@ -145,30 +152,37 @@ Result<DetectionReport> Detector::Impl::detect(const Frame& frame, const DetectR
 
 // Appends the hypotheses of one model, at most `room`, to the `found` ones before.
 int Detector::Impl::search_model(int model_index, std::size_t room, int found,
-                                 DetectionReport& report) {
-  const SearchContext context{models, scale_plans, pyramid, kernels, params.layout, pool, clock};
+                                 const Deadline& deadline, DetectionReport& report) {
+  const SearchContext context{models,        scale_plans, pyramid, kernels,
+                              params.layout, pool,        clock,   deadline};
   report.level_count =
       std::max(report.level_count, models[static_cast<std::size_t>(model_index)].depth_count());
   const Scene scene(pyramid);
   const std::span<const Candidate> leaves = search.run(context, model_index, report);
   return timed(Stage::kScreen, report, [&] {
-    return found + screen_candidates({models, scene, pool}, leaves, pyramid, screening,
+    return found + screen_candidates({models, scene, pool, deadline}, leaves, pyramid, screening,
                                      hypotheses.subspan(static_cast<std::size_t>(found), room),
                                      report);
   });
 }
 
-int Detector::Impl::estimate_poses(int count, DetectionReport& report) {
+int Detector::Impl::estimate_poses(int count, const Deadline& deadline, DetectionReport& report) {
   const Scene scene(pyramid);
-  const PoseContext context{models, scene, pool};
+  // Each stage may use the time up to its share of what is left now: were one to use up all, no
+  // pose would be finished. The shares are those of an unhurried run.
+  auto until = [&](double share) {
+    return PoseContext{models, scene, pool, deadline.after_share(share)};
+  };
+  const PoseContext pnp_end = until(0.15), icp_end = until(0.45), check_end = until(0.55),
+                    refine_end = until(0.88), end = until(1);
   auto living = [&] { return hypotheses.first(static_cast<std::size_t>(count)); };
-  timed(Stage::kPnp, report, [&] { run_pnp(context, living()); });
-  timed(Stage::kIcp, report, [&] { run_icp(context, living()); });
-  timed(Stage::kVerify, report, [&] { run_verify(context, living()); });
+  timed(Stage::kPnp, report, [&] { run_pnp(pnp_end, living()); });
+  timed(Stage::kIcp, report, [&] { run_icp(icp_end, living()); });
+  timed(Stage::kVerify, report, [&] { run_verify(check_end, living()); });
   count = timed(Stage::kSuppress, report,
                 [&] { return suppress(models, living(), kPerPlaceAfterIcp, report); });
-  timed(Stage::kRefine, report, [&] { run_refine(context, living()); });
-  timed(Stage::kVerify, report, [&] { run_verify(context, living()); });
+  timed(Stage::kRefine, report, [&] { run_refine(refine_end, living()); });
+  timed(Stage::kVerify, report, [&] { run_verify(end, living()); });
   return timed(Stage::kSuppress, report,
                [&] { return suppress(models, living(), kPerPlaceAfterIcp, report); });
 }

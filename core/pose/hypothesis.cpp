@@ -26,7 +26,12 @@ void for_living(const PoseContext& context, std::span<Hypothesis> hypotheses, Fn
   context.pool.parallel_for((count + kPerTask - 1) / kPerTask, [&](int task, int) {
     for (int i = task * kPerTask; i < std::min(count, (task + 1) * kPerTask); ++i) {
       Hypothesis& h = hypotheses[static_cast<std::size_t>(i)];
-      if (h.alive) fn(context.models[h.candidate.model], h);
+      if (!h.alive) continue;
+      if (context.deadline.passed()) {
+        h.drop(DropReason::kDeadline);
+      } else {
+        fn(context.models[h.candidate.model], h);
+      }
     }
   });
 }

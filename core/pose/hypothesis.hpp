@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "base/deadline.hpp"
 #include "binpick/base/worker_pool.hpp"
 #include "binpick/report/detection.hpp"
 #include "pose/scene.hpp"
@@ -37,6 +38,7 @@ struct PoseContext {
   std::span<const ObjectModel> models;
   const Scene& scene;
   WorkerPool& pool;
+  Deadline deadline;  // of the stage: hypotheses that it does not reach are dropped
 };
 void run_pnp(const PoseContext& context, std::span<Hypothesis> hypotheses);
 void run_icp(const PoseContext& context, std::span<Hypothesis> hypotheses);

@@ -49,6 +49,10 @@ Hypothesis screened(const PoseContext& context, const Candidate& candidate,
   const int leaf = model.depth_count() - 1;
   Hypothesis h;
   h.candidate = candidate;
+  if (context.deadline.passed()) {
+    h.drop(DropReason::kDeadline);
+    return h;
+  }
   h.T_cam_centre = candidate_pose(model, leaf, candidate, pyramid);
   const double interval_mm =
       (info.distance_max_mm - info.distance_min_mm) / model.depth(leaf).distance_count;

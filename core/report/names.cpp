@@ -22,6 +22,8 @@ const char* drop_reason_name(DropReason reason) {
       return "overlaps_better";
     case DropReason::kResultLimit:
       return "result_limit";
+    case DropReason::kDeadline:
+      return "deadline";
   }
   return "unknown";
 }

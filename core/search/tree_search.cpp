@@ -57,6 +57,7 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
   int count = 0;
   for (int k = 0; k < model.depth(scan_depth).distance_count; ++k) {
     if (plan.level[scan_depth][k] < 0) continue;
+    if (context.deadline.passed()) return {};
     count += scanner_.scan(
         model, model_index, k, plan, context.pyramid, context.kernels, threshold, context.pool,
         buffers_.candidates.subspan(static_cast<std::size_t>(count)), below_limit);
@@ -74,6 +75,7 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
   report.stage_ms[static_cast<int>(Stage::kScan)] += scan_ms;
 
   for (int d = scan_depth + 1; d < model.depth_count(); ++d) {
+    if (context.deadline.passed()) return {};
     const Stopwatch watch(context.clock);
     const DescendContext descend_context{context.models,  context.plans,  context.pyramid,
                                          context.kernels, context.layout, threshold};

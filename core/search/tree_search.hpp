@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "base/deadline.hpp"
 #include "binpick/base/arena.hpp"
 #include "binpick/base/clock.hpp"
 #include "binpick/report/detection.hpp"
@@ -33,6 +34,7 @@ struct SearchContext {
   MapLayout layout;
   WorkerPool& pool;
   ClockFn clock;
+  Deadline deadline;
 };
 
 class TreeSearch {
@@ -41,7 +43,7 @@ class TreeSearch {
   TreeSearch(const SearchLimits& limits, const SearchParams& params, Arena& arena);
 
   // Leaf candidates of one model, best first; valid until the next call. Adds its counts and times
-  // to the report.
+  // to the report. None where the deadline comes first.
   std::span<const Candidate> run(const SearchContext& context, int model_index,
                                  DetectionReport& report);
 

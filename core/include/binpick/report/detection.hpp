@@ -33,8 +33,9 @@ enum class DropReason : int {
   kBelowMinScore,            // verification score under the requested minimum
   kOverlapsBetter,           // its pixels belong to a better detection
   kResultLimit,              // more detections than asked for
+  kDeadline,                 // the time was up; the least promising went first
 };
-inline constexpr int kDropReasonCount = 9;
+inline constexpr int kDropReasonCount = 10;
 const char* drop_reason_name(DropReason reason);  // snake_case, as written to JSON
 
 enum class Stage : int {
@@ -58,7 +59,8 @@ struct DetectionReport {
   std::span<const Detection> detections;  // best score first; valid until the next detect()
   std::array<double, kStageCount> stage_ms{};
   double total_ms = 0;
-  int level_count = 0;                           // depths of the deepest tree that was searched
+  bool cut_short = false;  // the deadline came before all was searched and verified
+  int level_count = 0;     // depths of the deepest tree that was searched
   std::array<int, kTreeLevelsMax> candidates{};  // kept at tree depth d, all models
   std::array<std::int64_t, kTreeLevelsMax>
       templates_evaluated{};                      // template x block matches at depth d
