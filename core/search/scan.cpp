@@ -160,6 +160,7 @@ int Scanner::scan(const ObjectModel& model, int model_index, int distance_index,
       c.x = static_cast<std::int16_t>(x);
       c.y = static_cast<std::int16_t>(y);
       c.viewpoint = t.viewpoint;
+      c.origin = static_cast<std::uint8_t>(t.viewpoint);
       c.roll = t.roll;
       c.distance = static_cast<std::int16_t>(distance_index);
       c.score = e.score;
