@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <set>
 
+#include "aravis_client.hpp"
 #include "raw_gev_host.hpp"
 #include "simulator_process.hpp"
 #include "tiny_scene.hpp"
@@ -235,6 +237,25 @@ TEST_F(GvsimFault, WhatIsNotUnderstoodIsSaid) {
   EXPECT_EQ(sim_.tell("dance"), "err not understood (see --help)");
   EXPECT_EQ(sim_.tell("fault loss 0.25"), "ok");
   EXPECT_NE(sim_.tell("status").find("faults: loss=0.25"), std::string::npos);
+}
+
+// What the features' addresses are the description says, so the real client reads them.
+TEST(GvsimFalseValue, IsWhatTheHostReads) {
+  const std::string address = loopback_address();
+  SimulatorProcess sim(GVSIM, {"--bind", address, "--scenes", BINPICK_TEST_DATA "/bin-sample",
+                               "--false", "Scan3dCoordinateScale=nan"});
+  AravisClient client(address);
+  client.set("Scan3dCoordinateSelector", "CoordinateC");
+  EXPECT_TRUE(std::isnan(client.number("Scan3dCoordinateScale")));
+  EXPECT_EQ(sim.tell("false Scan3dCoordinateScale 0"), "ok");
+  EXPECT_EQ(sim.tell("false Width 100000"), "ok");
+  EXPECT_EQ(client.number("Scan3dCoordinateScale"), 0);
+  EXPECT_EQ(client.integer("Width"), 100000);
+  EXPECT_EQ(client.integer("Height"), 1024);
+  EXPECT_EQ(sim.tell("clear"), "ok");
+  EXPECT_EQ(client.number("Scan3dCoordinateScale"), 0.1);
+  EXPECT_EQ(sim.tell("false Width 1.5"), "err Width takes a whole number of 32 bits");
+  EXPECT_EQ(sim.tell("false Wight 1"), "err there is no false value for a feature Wight");
 }
 
 }  // namespace

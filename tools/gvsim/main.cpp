@@ -39,7 +39,7 @@ struct Options {
   double link_mbps = 2500;
   std::uint64_t seed = 1;
   std::string control;
-  std::vector<std::string> faults;
+  std::vector<std::string> faults, false_values;
 };
 
 std::string footer() {
@@ -54,7 +54,8 @@ std::string footer() {
       "While it runs it takes lines from standard input and from --control's socket, and answers\n"
       "each with 'ok', 'ok TEXT' or 'err REASON':\n"
       "  fault NAME VALUE   sets a fault (0 ends it)\n"
-      "  clear              ends all faults\n"
+      "  false FEATURE VALUE  tells the host this value (list below)\n"
+      "  clear              ends all faults and false values\n"
       "  trigger [LINE]     an edge on Line0 or Line1\n"
       "  status             counters\n"
       "  release            takes control away from the host, as a lost heartbeat does\n"
@@ -62,7 +63,8 @@ std::string footer() {
       "  quit               ends\n"
       "Block n of a stream (from 1, counted since the stream was opened) shows image\n"
       "(n - 1) modulo the number of images; with standard ids or GevSCCFGMultiPart off each\n"
-      "component is a block of its own.";
+      "component is a block of its own.\nFeatures that can be false:\n" +
+      FalseValues::names();
   return text;
 }
 
@@ -93,7 +95,15 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--seed", o.seed, "Of the faults' dice")->capture_default_str();
   app.add_option("--control", o.control, "Unix socket to take lines from");
   app.add_option("--fault", o.faults, "NAME=VALUE, at start; repeat for more");
+  app.add_option("--false", o.false_values,
+                 "FEATURE=VALUE that the host is told, at start; repeat for more");
   app.footer(footer());
+}
+
+// "NAME=VALUE" in two.
+std::pair<std::string, std::string> split(const std::string& text) {
+  const std::size_t equal = text.find('=');
+  return {text.substr(0, equal), equal == std::string::npos ? "" : text.substr(equal + 1)};
 }
 
 class Simulator {
@@ -107,10 +117,14 @@ class Simulator {
         sockets_(gev_options(o).address, server_, faults_),
         control_(o.control, [this](const std::string& line) { return handle(line); }) {
     for (const std::string& fault : o.faults) {
-      const std::size_t equal = fault.find('=');
-      const std::string value = equal == std::string::npos ? "" : fault.substr(equal + 1);
-      const std::string wrong = faults_.set(fault.substr(0, equal), value);
+      const auto [name, value] = split(fault);
+      const std::string wrong = faults_.set(name, value);
       if (!wrong.empty()) throw std::runtime_error("--fault " + fault + ": " + wrong);
+    }
+    for (const std::string& lie : o.false_values) {
+      const auto [feature, value] = split(lie);
+      const std::string wrong = sensor_.tell_falsely(feature, value);
+      if (!wrong.empty()) throw std::runtime_error("--false " + lie + ": " + wrong);
     }
     sensor_.set_commands({[this] { device_.acquisition().start(); },
                           [this] { device_.acquisition().stop(); },
@@ -186,8 +200,13 @@ class Simulator {
       if (faults_.on(kRefuse)) device_.release_control();
       return "ok";
     }
+    if (verb == "false" && !second.empty()) {
+      const std::string wrong = sensor_.tell_falsely(first, second);
+      return wrong.empty() ? "ok" : "err " + wrong;
+    }
     if (verb == "clear" && first.empty()) {
       faults_.clear();
+      sensor_.tell_the_truth();
     } else if (verb == "trigger" && (first.empty() || first == "Line0" || first == "Line1")) {
       device_.acquisition().trigger(first == "Line1" ? kSourceLine1 : kSourceLine0);
     } else if (verb == "status") {

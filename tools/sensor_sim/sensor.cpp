@@ -62,6 +62,7 @@ Sensor::Sensor(const SensorOptions& options, SceneSource& scenes)
     : scenes_(scenes),
       personality_(*options.personality),
       registers_(byte_order_of(options.transport)),
+      false_values_(registers_.order()),
       xml_(sensor_xml(options.transport, options.name, *options.personality)) {
   registers_.add_block(kFeatureBase, kFeatureEnd - kFeatureBase);
   xml_.resize((xml_.size() + 3) / 4 * 4, '\n');  // hosts read whole words
@@ -131,7 +132,19 @@ void Sensor::store_camera(const SceneFrame& frame) {
 
 AccessStatus Sensor::read(std::uint64_t address, std::span<std::uint8_t> out) {
   const std::lock_guard guard(mutex_);
-  return registers_.read(address, out);
+  const AccessStatus status = registers_.read(address, out);
+  if (status == AccessStatus::kOk) false_values_.apply(address, out);
+  return status;
+}
+
+std::string Sensor::tell_falsely(const std::string& feature, const std::string& value) {
+  const std::lock_guard guard(mutex_);
+  return false_values_.set(feature, value);
+}
+
+void Sensor::tell_the_truth() {
+  const std::lock_guard guard(mutex_);
+  false_values_.clear();
 }
 
 AccessStatus Sensor::check_value(std::uint64_t address, std::span<const std::uint8_t> bytes) const {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "chunk_data.hpp"
+#include "false_values.hpp"
 #include "pixel_encoder.hpp"
 #include "register_file.hpp"
 #include "sensor_xml.hpp"
@@ -75,6 +76,10 @@ class Sensor {
   std::uint32_t frames_limit();  // 0: none
   void count_missed_trigger();
 
+  // Lies about a feature from now on; "" when done, else what is wrong. See FalseValues.
+  std::string tell_falsely(const std::string& feature, const std::string& value);
+  void tell_the_truth();
+
   // Commands that were written; called without the lock. Set before the first access.
   struct Commands {
     std::function<void()> start, stop, software_trigger, reset;
@@ -112,6 +117,7 @@ class Sensor {
   SceneSource& scenes_;
   const Personality& personality_;
   RegisterFile registers_;
+  FalseValues false_values_;
   std::string xml_;
   Commands commands_;
   bool acquiring_ = false;
