@@ -9,6 +9,7 @@
 #include "aravis/received_frame.hpp"
 #include "aravis/scan3d_features.hpp"
 #include "aravis/sensor_setup.hpp"
+#include "genicam/hole_marks.hpp"
 
 namespace binpick::drivers {
 namespace {
@@ -53,7 +54,7 @@ class AravisCamera final : public Camera {
   void count(DropReason reason) {
     dropped_[static_cast<std::size_t>(reason)].fetch_add(1, std::memory_order_relaxed);
   }
-  void give_back(ArvBuffer* buffer) { arv_stream_push_buffer(stream_.get(), buffer); }
+  void give_back(ArvBuffer* buffer);
   void read_stream_counters();
 
   CameraSpec spec_;
@@ -69,6 +70,7 @@ class AravisCamera final : public Camera {
   GObjectPtr<ArvStream> stream_;
   std::unique_ptr<Scan3dChunks> chunks_;
   std::unique_ptr<PayloadConverter> converter_;
+  const HoleMarks marks_{static_cast<std::uint64_t>(steady_ns())};
   ReceivedFrame received_;
   ReceivedFrame::Rules rules_;
   Scan3d scan3d_;
@@ -141,12 +143,20 @@ void AravisCamera::make_stream() {
   }
 }
 
+// To be filled again.
+void AravisCamera::give_back(ArvBuffer* buffer) {
+  // The memory is ours; Aravis names it by a pointer to const.
+  const void* data = arv_buffer_get_data(buffer, nullptr);
+  const std::ptrdiff_t offset = static_cast<const std::uint8_t*>(data) - memory_.data();
+  marks_.mark(std::span(memory_).subspan(static_cast<std::size_t>(offset), payload_bytes_));
+  arv_stream_push_buffer(stream_.get(), buffer);
+}
+
 void AravisCamera::stop() {
   if (stream_) {
     arv_camera_stop_acquisition(camera_.get(), nullptr);  // a dead sensor has stopped already
-    arv_stream_stop_thread(stream_.get(), TRUE);
     read_stream_counters();
-    stream_.reset();
+    stream_.reset();  // joins its thread and frees its buffers
   }
   chunks_.reset();
   converter_.reset();
@@ -198,6 +208,8 @@ Result<FrameRef> AravisCamera::wait_frame(TimePoint deadline) {
 
 Result<FrameRef> AravisCamera::take(ArvBuffer* buffer) {
   DropReason reason = received_.read(buffer, payload_bytes_, rules_);
+  if (reason == DropReason::kNone && marks_.any_left(received_.bytes()))
+    reason = DropReason::kIncomplete;
   if (reason == DropReason::kNone) reason = judge_order(buffer);
   FrameRef ref;
   if (reason == DropReason::kNone) {

@@ -90,6 +90,7 @@ DropReason ReceivedFrame::read(ArvBuffer* buffer, std::size_t buffer_bytes, cons
   const void* data = arv_buffer_get_data(buffer, &received_bytes);
   if (received_bytes > buffer_bytes) return DropReason::kShortPayload;
   const std::span received(static_cast<const std::uint8_t*>(data), received_bytes);
+  bytes_ = received;
 
   const unsigned count = arv_buffer_get_n_parts(buffer);
   if (count == 0) return DropReason::kFormat;

@@ -27,6 +27,7 @@ class ReceivedFrame {
   // kNone, and parts() borrows from the buffer; or why the frame is no good. Allocates nothing.
   DropReason read(ArvBuffer* buffer, std::size_t buffer_bytes, const Rules& rules);
   std::span<const PayloadPart> parts() const { return {parts_.data(), part_count_}; }
+  std::span<const std::uint8_t> bytes() const { return bytes_; }  // all that was received
 
  private:
   DropReason read_part(ArvBuffer* buffer, unsigned index, std::span<const std::uint8_t> received,
@@ -34,6 +35,7 @@ class ReceivedFrame {
 
   std::array<PayloadPart, kPartsMax> parts_;
   std::size_t part_count_ = 0;
+  std::span<const std::uint8_t> bytes_;
 };
 
 }  // namespace binpick::drivers

@@ -67,10 +67,14 @@ Scan3d read_scan3d(const Features& features, const CameraSpec& spec, bool with_p
   }
   if (spec.intrinsics) {
     s.focal_length_px = spec.intrinsics->fx;
+    s.aspect_ratio = spec.intrinsics->fy / spec.intrinsics->fx;
     s.principal_u_px = spec.intrinsics->cx;
     s.principal_v_px = spec.intrinsics->cy;
   } else {
     s.focal_length_px = features.number(profile.focal_length);
+    // Few sensors have it: pixels are square unless it says otherwise.
+    const FeatureOrValue& aspect = profile.aspect_ratio;
+    if (aspect.value || features.has(aspect.feature)) s.aspect_ratio = features.number(aspect);
     s.principal_u_px = features.number(profile.principal_u) + profile.principal_point_shift_px;
     s.principal_v_px = features.number(profile.principal_v) + profile.principal_point_shift_px;
   }

@@ -32,9 +32,9 @@ auto with_codes(PixelFormat format, Call&& call) {
 // x and y only choose a pixel: float is enough.
 struct AxisInPx {
   float scale, offset;  // of the code, to focal length times coordinate in mm
-  AxisInPx(const Scan3dAxis& axis, const Scan3d& s)
-      : scale(static_cast<float>(axis.scale * s.mm_per_unit * s.focal_length_px)),
-        offset(static_cast<float>(axis.offset * s.mm_per_unit * s.focal_length_px)) {}
+  AxisInPx(const Scan3dAxis& axis, double px_per_unit)
+      : scale(static_cast<float>(axis.scale * px_per_unit)),
+        offset(static_cast<float>(axis.offset * px_per_unit)) {}
   float times_z(float code) const { return code * scale + offset; }
 };
 
@@ -53,7 +53,8 @@ void depth_row(const std::uint8_t* points, int width, const AxisInMm& axis, floa
 template <class C>
 bool row_on_rays(const std::uint8_t* points, int width, const Scan3d& s, float dv,
                  const float* depth_mm) {
-  const AxisInPx a(s.a, s), b(s.b, s);
+  const double px_per_unit = s.mm_per_unit * s.focal_length_px;
+  const AxisInPx a(s.a, px_per_unit), b(s.b, px_per_unit * s.aspect_ratio);
   const float cu = static_cast<float>(s.principal_u_px);
   int off_rays = 0;
   for (int x = 0; x < width; ++x) {
@@ -87,7 +88,8 @@ bool depth_of(const PayloadPart& part, const Scan3d& s, float* depth_mm) {
 template <class C>
 void project(const PayloadPart& part, const Scan3d& s, const float* grid_mm,
              const std::uint8_t* grid_gray, float* depth_mm, std::uint8_t* gray) {
-  const AxisInPx a(s.a, s), b(s.b, s);
+  const double px_per_unit = s.mm_per_unit * s.focal_length_px;
+  const AxisInPx a(s.a, px_per_unit), b(s.b, px_per_unit * s.aspect_ratio);
   const float cu = static_cast<float>(s.principal_u_px), cv = static_cast<float>(s.principal_v_px);
   for (int y = 0; y < part.height; ++y) {
     const std::uint8_t* point = row_of(part, y);

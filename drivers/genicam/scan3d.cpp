@@ -30,6 +30,7 @@ std::optional<Fault> find_fault(const Scan3d& s) {
   if (const auto fault = fault_of_axis(s.c, " of axis C")) return fault;
   if (!positive(s.mm_per_unit)) return Fault{"Scan3dDistanceUnit", " in mm", s.mm_per_unit};
   if (!positive(s.focal_length_px)) return Fault{"Scan3dFocalLength", "", s.focal_length_px};
+  if (!positive(s.aspect_ratio)) return Fault{"Scan3dAspectRatio", "", s.aspect_ratio};
   if (!std::isfinite(s.principal_u_px)) return Fault{"Scan3dPrincipalPointU", "", s.principal_u_px};
   if (!std::isfinite(s.principal_v_px)) return Fault{"Scan3dPrincipalPointV", "", s.principal_v_px};
   if (s.kind == DepthKind::kDisparity && !positive(s.baseline_mm))
@@ -40,7 +41,8 @@ std::optional<Fault> find_fault(const Scan3d& s) {
 }  // namespace
 
 CameraIntrinsics Scan3d::camera(int width, int height) const {
-  return {width, height, focal_length_px, focal_length_px, principal_u_px, principal_v_px};
+  return {width,          height,        focal_length_px, focal_length_px * aspect_ratio,
+          principal_u_px, principal_v_px};
 }
 
 std::string scan3d_fault(const Scan3d& scan3d) {

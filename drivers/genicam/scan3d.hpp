@@ -25,6 +25,7 @@ struct Scan3d {
   double mm_per_unit = 1;  // of the coordinates
   double baseline_mm = 0;  // disparity only: z = focal length * baseline / disparity
   double focal_length_px = 0;
+  double aspect_ratio = 1;                        // vertical focal length by horizontal one
   double principal_u_px = 0, principal_v_px = 0;  // integers are pixel centres
   bool operator==(const Scan3d&) const = default;
 

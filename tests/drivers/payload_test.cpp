@@ -7,7 +7,9 @@
 
 #include "binpick/drivers/bop_dataset.hpp"
 #include "drivers/payload_parts.hpp"
+#include "genicam/chunk_chain.hpp"
 #include "genicam/gray_rows.hpp"
+#include "genicam/hole_marks.hpp"
 #include "replay/image_file.hpp"
 
 namespace binpick::drivers {
@@ -281,8 +283,40 @@ TEST(Scan3d, UnusableValuesAreNamed) {
   EXPECT_EQ(fault([](Scan3d& s) { s.focal_length_px = -5; }), "Scan3dFocalLength is -5");
   EXPECT_EQ(fault([](Scan3d& s) { s.principal_v_px = std::nan(""); }),
             "Scan3dPrincipalPointV is nan");
+  EXPECT_EQ(fault([](Scan3d& s) { s.aspect_ratio = 0; }), "Scan3dAspectRatio is 0");
   EXPECT_EQ(fault([](Scan3d& s) { s.mm_per_unit = 0; }), "Scan3dDistanceUnit in mm is 0");
   EXPECT_EQ(fault([](Scan3d& s) { s.kind = DepthKind::kDisparity; }), "Scan3dBaseline in mm is 0");
+}
+
+TEST(HoleMarks, AnyPacketThatNeverCameIsNoticed) {
+  const HoleMarks marks(7);
+  std::vector<std::uint8_t> buffer(20000, 1);
+  marks.mark(buffer);
+  EXPECT_TRUE(marks.any_left(buffer));
+  const std::vector<std::uint8_t> whole(buffer.size(), 9);
+  constexpr std::size_t kPacket = 500;
+  for (std::size_t hole = 0; hole + kPacket <= buffer.size(); hole += 37) {
+    marks.mark(buffer);
+    std::copy(whole.begin(), whole.begin() + hole, buffer.begin());
+    std::copy(whole.begin() + hole + kPacket, whole.end(), buffer.begin() + hole + kPacket);
+    EXPECT_TRUE(marks.any_left(buffer)) << hole;
+  }
+  EXPECT_FALSE(marks.any_left(whole));
+}
+
+TEST(ChunkChain, FillsThePayloadOrItWasCut) {
+  // Four bytes of image, then six of a value, each with its id and length.
+  const std::vector<std::uint8_t> big = {1, 2, 3, 4, 0, 0, 0, 1, 0, 0, 0, 4, 1,
+                                         2, 3, 4, 5, 6, 0, 0, 0, 2, 0, 0, 0, 6};
+  EXPECT_TRUE(chunks_fill(big, ByteOrder::kBig));
+  EXPECT_FALSE(chunks_fill(big, ByteOrder::kLittle));
+  EXPECT_FALSE(chunks_fill({}, ByteOrder::kBig));
+  EXPECT_FALSE(chunks_fill(std::span(big).subspan(1), ByteOrder::kBig));
+  EXPECT_FALSE(chunks_fill(std::span(big).first(big.size() - 1), ByteOrder::kBig));
+  const std::vector<std::uint8_t> little = {7, 1, 0, 0, 0, 1, 0, 0, 0};
+  EXPECT_TRUE(chunks_fill(little, ByteOrder::kLittle));
+  const std::vector<std::uint8_t> huge(64, 0xFF);
+  EXPECT_FALSE(chunks_fill(huge, ByteOrder::kBig));
 }
 
 TEST(Payload, DepthFromTheWireHasTheBitsOfItsFile) {

@@ -55,6 +55,7 @@ struct SensorProfile {
   FeatureOrValue invalid_flag{"Scan3dInvalidDataFlag", {}};
   FeatureOrValue invalid_value{"Scan3dInvalidDataValue", {}};
   FeatureOrValue focal_length{"Scan3dFocalLength", {}}, baseline{"Scan3dBaseline", {}};
+  FeatureOrValue aspect_ratio{"Scan3dAspectRatio", {}};  // optional: 1 where there is none
   FeatureOrValue principal_u{"Scan3dPrincipalPointU", {}};
   FeatureOrValue principal_v{"Scan3dPrincipalPointV", {}};
 };
