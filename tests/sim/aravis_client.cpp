@@ -86,7 +86,7 @@ void AravisClient::start(int buffers) {
     // As a host under load has to set it: room for some frames, patience for resends.
     g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
                  "socket-buffer-size", static_cast<int>(std::max<std::size_t>(4 * size, 1 << 22)),
-                 "packet-request-ratio", 2.0, "frame-retention", 1000000u, nullptr);
+                 "packet-request-ratio", 2.0, "frame-retention", 5000000u, nullptr);
   }
   for (int i = 0; i < buffers; ++i)
     arv_stream_push_buffer(stream_.get(), arv_buffer_new(size, nullptr));
