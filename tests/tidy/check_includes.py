@@ -22,7 +22,8 @@ LIBRARIES = {  # first part of the path -> library
     "gmock": "GoogleTest", "arv.h": "Aravis", "libusb.h": "libusb", "toml++": "tomlplusplus",
 }
 POSIX = ("sys", "unistd.h", "fcntl.h", "pthread.h", "signal.h", "poll.h", "dirent.h", "errno.h",
-         "time.h", "sched.h", "dlfcn.h", "arpa", "netinet", "spawn.h", "stdio.h", "stdlib.h")
+         "time.h", "sched.h", "dlfcn.h", "arpa", "netinet", "spawn.h", "stdio.h", "stdlib.h",
+         "ifaddrs.h")
 # Core prints nothing, opens nothing, starts nothing and reads no clock.
 NOT_IN_CORE = {
     "iostream", "istream", "ostream", "fstream", "sstream", "strstream", "iomanip", "ios", "iosfwd",
