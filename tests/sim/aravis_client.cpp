@@ -35,6 +35,7 @@ AravisClient::AravisClient(const std::string& name) {
   if (ARV_IS_GV_DEVICE(device())) {
     arv_camera_gv_set_stream_options(camera(), ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
   }
+  if (ARV_IS_UV_DEVICE(device())) arv_camera_uv_set_usb_mode(camera(), ARV_UV_USB_MODE_ASYNC);
   chunks_.reset(arv_camera_create_chunk_parser(camera_.get()));
 }
 

@@ -101,6 +101,16 @@ TEST_F(GvsimFault, ResendOfWhatIsGoneIsAnsweredWithUnavailable) {
   EXPECT_EQ(answer[0].number, 3u);
 }
 
+// A host that has lost the leader cannot know where the block ends.
+TEST_F(GvsimFault, ResendEndsWithTheBlock) {
+  const auto whole = static_cast<std::uint32_t>(frame().size());
+  host_.ask_again(1, whole - 2, whole + 300);
+  const std::vector<StreamPacket> answer = host_.packets();
+  ASSERT_EQ(answer.size(), 2u);
+  EXPECT_EQ(answer[0].status, 0);
+  EXPECT_EQ(answer[1].content, 2);
+}
+
 TEST_F(GvsimFault, ReorderedPacketsAreAllThere) {
   set("reorder 0.5");
   const std::vector<StreamPacket> packets = frame();

@@ -23,6 +23,7 @@ SimulatorProcess::SimulatorProcess(const std::string& program,
   pid_ = fork();
   if (pid_ == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    unsetenv("LD_PRELOAD");  // what is laid over the client is not for the simulator
     dup2(in[0], STDIN_FILENO);
     dup2(out[1], STDOUT_FILENO);
     execv(program.c_str(), words.data());
@@ -32,13 +33,13 @@ SimulatorProcess::SimulatorProcess(const std::string& program,
   close(out[1]);
   in_ = in[1];
   out_ = out[0];
-  const std::string first = read_line(20000);
-  if (first.find(": ready") == std::string::npos) {
+  first_line_ = read_line(20000);
+  if (first_line_.find(": ready") == std::string::npos) {
     kill(pid_, SIGKILL);
     waitpid(pid_, nullptr, 0);
     close(in_);
     close(out_);
-    throw std::runtime_error(program + " is not ready: " + first);
+    throw std::runtime_error(program + " is not ready: " + first_line_);
   }
 }
 

@@ -22,6 +22,7 @@ class SimulatorProcess {
   // The number behind "NAME=" in its status.
   long long counter(const std::string& name);
   pid_t pid() const { return pid_; }
+  const std::string& first_line() const { return first_line_; }
   // Asks it to quit and gives its exit status.
   int quit();
 
@@ -30,7 +31,7 @@ class SimulatorProcess {
 
   pid_t pid_ = -1;
   int in_ = -1, out_ = -1;
-  std::string text_;
+  std::string text_, first_line_;
 };
 
 // An address of this machine that no other process's test has: 127.a.b.c with a and b from the

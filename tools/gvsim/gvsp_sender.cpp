@@ -17,8 +17,9 @@ using Clock = std::chrono::steady_clock;
 
 // Packets of one system call: few enough that pauses between calls make a fair pace.
 constexpr std::size_t kBatchMax = 32;
-// Blocks kept for resending. Hosts give a frame up after 100 ms or so.
-constexpr std::size_t kBlocksKept = 8;
+// Blocks kept for resending: two seconds at 20 frames/s, since a host on a busy machine may ask
+// late. They share the encoded images that the sensor keeps, so they cost little.
+constexpr std::size_t kBlocksKept = 40;
 // A host that asks for more at once is not answered for the rest; it asks again.
 constexpr std::uint32_t kResendMax = 4096;
 constexpr std::size_t kScratch = 9000;
@@ -186,7 +187,10 @@ void GvspSender::resend(const Target& target, std::uint64_t block_id, std::uint3
   Batch& batch = *resend_batch_;
   for (std::uint32_t number = first; number <= last; ++number) {
     GvspPacket& packet = batch.packets[batch.count];
-    if (block == nullptr || number >= block->packet_count()) {
+    // A host that has lost the leader guesses the end too far. An "unavailable" for what never was
+    // would make Aravis ask for nothing more of the frame.
+    if (block != nullptr && number >= block->packet_count()) break;
+    if (block == nullptr) {
       build_unavailable_packet(block_id, number, extended_ids, packet);
       ++counters_.unavailable;
     } else {

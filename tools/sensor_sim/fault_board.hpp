@@ -27,8 +27,10 @@ enum Fault : int {
   kLyingHeight,
   kShortPayload,
   kWrongTrailer,
+  kTrailerStatus,
   // Switches.
   kFrozen,
+  kStall,
   kRefuse,
   kStopStream,
   // Times.

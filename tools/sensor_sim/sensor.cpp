@@ -64,6 +64,7 @@ Sensor::Sensor(const SensorOptions& options, SceneSource& scenes)
       registers_(byte_order_of(options.transport)),
       xml_(sensor_xml(options.transport, options.name, *options.personality)) {
   registers_.add_block(kFeatureBase, kFeatureEnd - kFeatureBase);
+  xml_.resize((xml_.size() + 3) / 4 * 4, '\n');  // hosts read whole words
   registers_.add_block(kXmlBase, xml_.size());
   registers_.store(kXmlBase, {reinterpret_cast<const std::uint8_t*>(xml_.data()), xml_.size()});
   add_features(options);
@@ -93,6 +94,8 @@ void Sensor::add_features(const SensorOptions& options) {
   for (std::uint32_t i = 0; i < kComponentCount; ++i) {
     bool enabled = personality_.enabled[i];
     if (i == kIntensity && first->gray.empty()) enabled = false;
+    // A USB3 Vision stream carries one image at a time, and hosts expect all of one size.
+    if (options.transport == Transport::kUsb3 && i != kRange) enabled = false;
     if (i == kConfidence) enabled = options.confidence.value_or(enabled);
     r.set_u32(kComponentEnable + 4 * i, enabled ? 1 : 0);
     r.set_u32(kComponentId + 4 * i, ids[i]);
@@ -115,7 +118,7 @@ void Sensor::add_features(const SensorOptions& options) {
   r.set_f64(kBaseline, personality_.baseline_m);
   for (std::uint32_t i = 0; i < kChunkCount; ++i) r.set_u32(kChunkEnable + 4 * i, 1);
   store_camera(*first);
-  update_payload_size(true);
+  update_payload_size(options.transport == Transport::kGigE);
 }
 
 // Registers carry the camera of the frame that was exposed last; chunks carry that of their own.

@@ -1,0 +1,54 @@
+// The kernel's usbfs, as a program sees it through libusb, for one device under umockdev: takes in
+// what is submitted, and lets it be reaped when the device has done it.
+// Thread: umockdev's; plug and unplug may come from another.
+#pragma once
+
+#include <umockdev.h>
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "u3v_device.hpp"
+
+namespace binpick::sim {
+
+class UsbfsEmulation {
+ public:
+  UsbfsEmulation(U3vDevice& device, FaultBoard& faults, const SensorName& name);
+  ~UsbfsEmulation();
+  UsbfsEmulation(const UsbfsEmulation&) = delete;
+  UsbfsEmulation& operator=(const UsbfsEmulation&) = delete;
+
+  UMockdevIoctlBase* handler() { return handler_; }
+  // Without it every call fails as the kernel's do for a device that was pulled out.
+  void set_plugged(bool plugged) { plugged_ = plugged; }
+
+ private:
+  // A request that was submitted and not yet reaped.
+  struct Urb {
+    UMockdevIoctlData* data;    // the usbdevfs_urb; owned
+    UMockdevIoctlData* buffer;  // owned; nullptr when it has none
+    bool done;
+  };
+  static gboolean on_ioctl(UMockdevIoctlBase* base, UMockdevIoctlClient* client, void* self);
+  static void on_vanished(UMockdevIoctlBase* base, UMockdevIoctlClient* client, void* self);
+  bool handle(UMockdevIoctlClient* client);
+  bool submit(UMockdevIoctlClient* client, UMockdevIoctlData* urb_data);
+  bool discard(UMockdevIoctlClient* client, UMockdevIoctlData* argument);
+  bool reap(UMockdevIoctlClient* client, UMockdevIoctlData* argument);
+  void finish(Urb& urb, int status, std::size_t bytes);
+  void control_transfer(Urb& urb);
+  void advance();
+  void drop_all();
+
+  U3vDevice& device_;
+  FaultBoard& faults_;
+  const SensorName name_;
+  UMockdevIoctlBase* handler_;
+  std::atomic<bool> plugged_{true};
+  std::deque<Urb> urbs_;
+};
+
+}  // namespace binpick::sim
