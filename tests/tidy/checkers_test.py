@@ -89,6 +89,15 @@ class IncludesTest(TreeTest):
         self.assert_one_fault(self.faults("drivers/fake/fake.cpp", '"replay/recording.hpp"'),
                               "another's private header")
 
+    def test_the_modbus_side_knows_no_detection(self):
+        self.write("app/modbus/answer.hpp", HEADER.format(name="f"))
+        self.assertEqual(self.faults("app/modbus/answer.cpp", '"modbus/answer.hpp"', "<modbus.h>",
+                                     '"modbus/register_map.hpp"',
+                                     '"binpick/base/arena.hpp"'), [])
+        self.assert_one_fault(
+            self.faults("app/modbus/answer.cpp", '"binpick/detect/detector.hpp"'),
+            "neither detection nor sensors")
+
     def test_app_sees_public_headers_only(self):
         self.assert_one_fault(self.faults("app/main.cpp", '"../core/search/scan.hpp"'),
                               "a private header of core")
