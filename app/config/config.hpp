@@ -14,7 +14,8 @@
 namespace binpick::app {
 
 struct SensorConfig {
-  std::string uri;  // must be set
+  std::string uri;      // must be set
+  std::string profile;  // file; empty: the names of GenICam's standard
   drivers::TriggerSource trigger = drivers::TriggerSource::kSoftware;
   std::string trigger_line = "Line0";
   std::string camera_file;  // intrinsics instead of the sensor's own; empty: the sensor's

@@ -140,8 +140,9 @@ Config load_config(const std::string& path) {
     for (std::string& model : recipe.models) model = beside(name, model);
     config.recipes.push_back(std::move(recipe));
   }
-  if (!config.sensor.camera_file.empty())
-    config.sensor.camera_file = beside(path, config.sensor.camera_file);
+  for (std::string* name : {&config.sensor.camera_file, &config.sensor.profile}) {
+    if (!name->empty()) *name = beside(path, *name);
+  }
   if (faults.empty()) check_together(config, faults);
   if (!faults.empty()) throw ConfigError(faults);
   return config;

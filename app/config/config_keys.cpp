@@ -16,6 +16,7 @@ void choose(KeyVisitor& visitor, const Key& key, Enum& value, std::span<const ch
 void visit_sensor(SensorConfig& c, KeyVisitor& v) {
   static constexpr const char* kTriggers[] = {"free_run", "software", "line"};
   v.text({"sensor.uri"}, c.uri);
+  v.text({"sensor.profile"}, c.profile);
   choose(v, {"sensor.trigger"}, c.trigger, kTriggers);
   v.text({"sensor.trigger_line"}, c.trigger_line);
   v.text({"sensor.camera_file"}, c.camera_file);

@@ -1,12 +1,14 @@
 #include "sensor/sensor_spec.hpp"
 
 #include "binpick/drivers/loaded_frame.hpp"
+#include "sensor/sensor_profile_file.hpp"
 
 namespace binpick::app {
 
 drivers::CameraSpec camera_spec_of(const SensorConfig& config) {
   drivers::CameraSpec spec;
   spec.uri = config.uri;
+  if (!config.profile.empty()) spec.profile = load_sensor_profile(config.profile);
   spec.trigger = config.trigger;
   spec.trigger_line = config.trigger_line;
   if (config.exposure_us > 0) spec.exposure_us = config.exposure_us;

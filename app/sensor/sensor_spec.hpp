@@ -6,7 +6,8 @@
 
 namespace binpick::app {
 
-// Reads sensor.camera_file where it is set: throws drivers::DatasetError.
+// Reads sensor.profile and sensor.camera_file where they are set: throws SetupError and
+// drivers::DatasetError.
 drivers::CameraSpec camera_spec_of(const SensorConfig& config);
 SessionParams session_params_of(const SensorConfig& config);
 // Frames come from a recording or a double: nothing in them is to be picked.
