@@ -37,6 +37,7 @@ int run(int argc, char** argv) {
   add_info_command(app, exit_status);
   add_eval_command(app, exit_status);
   add_score_command(app, exit_status);
+  add_trigger_command(app, exit_status);
   add_sensors_command(app, exit_status);
   add_sensor_info_command(app, exit_status);
   add_capture_command(app, exit_status);

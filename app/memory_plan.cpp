@@ -21,8 +21,8 @@ using Place = PlanLine::Place;
 constexpr double kMiB = 1024 * 1024;
 // Code, libraries and what they take at start, apart from the lines: measured at 40 to 60 MiB.
 constexpr std::size_t kProcessBytes = 64u << 20;
-// Of our own: cycle, Modbus, sensor session, main; the workers come on top.
-constexpr std::size_t kThreadsBesideWorkers = 3;
+// Cycle, Modbus server, Modbus link, sensor session; one worker is the cycle's thread itself.
+constexpr std::size_t kThreadsBesideWorkers = 4;
 
 const char* place_name(Place place) {
   switch (place) {

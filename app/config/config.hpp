@@ -10,6 +10,7 @@
 #include "binpick/drivers/camera_spec.hpp"
 #include "binpick/frame/frame.hpp"
 #include "binpick/simd/isa.hpp"
+#include "modbus/encoding.hpp"
 
 namespace binpick::app {
 
@@ -61,6 +62,20 @@ struct StationConfig {
   std::string control_socket = "/run/binpick/control";  // empty: none
 };
 
+struct ModbusConfig {
+  bool enabled = true;
+  std::string bind = "0.0.0.0";
+  int port = 502;
+  int unit_id = 1;
+  int clients_max = 16;
+  int idle_timeout_ms = 60000;
+  int frame_timeout_ms = 1000;
+  std::vector<std::string> allow;  // addresses and networks; empty: everybody
+  std::string writer;              // the one address that may write; empty: whoever connects
+  int plc_heartbeat_timeout_ms = 2000;
+  modbus::Encoding encoding;
+};
+
 struct MemoryConfig {
   int mib_max = 2048;
   bool lock = true;
@@ -99,6 +114,7 @@ struct Config {
   std::string file;
   SensorConfig sensor;
   StationConfig station;
+  ModbusConfig modbus;
   MemoryConfig memory;
   ThreadsConfig threads;
   LoggingConfig logging;

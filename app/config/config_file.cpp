@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "config/config_reader.hpp"
+#include "modbus/address_list.hpp"
+#include "setup_error.hpp"
 
 namespace fs = std::filesystem;
 
@@ -47,11 +49,25 @@ void sort_by_line(std::span<ConfigFault> faults) {
   });
 }
 
+void check_addresses(const ModbusConfig& c, ConfigReader& reader) {
+  const auto check = [&](const char* key, const std::string& text, auto parse) {
+    try {
+      parse(text);
+    } catch (const SetupError& e) {
+      reader.fault(key, e.what());
+    }
+  };
+  check("modbus.bind", c.bind, modbus::parse_address);
+  if (!c.writer.empty()) check("modbus.writer", c.writer, modbus::parse_address);
+  for (const std::string& network : c.allow) check("modbus.allow", network, modbus::parse_network);
+}
+
 void check_main(const Config& c, ConfigReader& reader) {
   if (c.sensor.uri.empty()) reader.fault("sensor.uri", "must be set");
   if (c.station.recipes.empty()) reader.fault("station.recipes", "must name a file at least");
   if (c.sensor.reconnect_max_ms < c.sensor.reconnect_first_ms)
     reader.fault("sensor.reconnect_max_ms", "is less than sensor.reconnect_first_ms");
+  check_addresses(c.modbus, reader);
   const bool real_time = c.threads.scheduling != Scheduling::kOther;
   if (real_time != (c.threads.priority > 0)) {
     reader.fault("threads.priority", real_time

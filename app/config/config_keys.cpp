@@ -61,6 +61,38 @@ void visit_station(StationConfig& c, KeyVisitor& v) {
   v.text({"station.control_socket"}, c.control_socket);
 }
 
+// One of the register map's lists.
+template <class Enum, std::size_t N>
+void choose_named(KeyVisitor& visitor, const Key& key, Enum& value,
+                  const modbus::map::NamedValue (&list)[N]) {
+  const char* names[N];
+  int index = 0;
+  for (std::size_t i = 0; i < N; ++i) {
+    names[i] = list[i].name;
+    if (list[i].value == static_cast<std::uint16_t>(value)) index = static_cast<int>(i);
+  }
+  visitor.choice(key, index, names);
+  value = static_cast<Enum>(list[index].value);
+}
+
+void visit_modbus(ModbusConfig& c, KeyVisitor& v) {
+  namespace map = modbus::map;
+  v.flag({"modbus.enabled"}, c.enabled);
+  v.text({"modbus.bind"}, c.bind);
+  v.integer({"modbus.port"}, c.port, {0, 65535});
+  v.integer({"modbus.unit_id"}, c.unit_id, {0, 255});
+  v.integer({"modbus.clients_max"}, c.clients_max, {1, 64});
+  v.integer({"modbus.idle_timeout_ms"}, c.idle_timeout_ms, {0, 86400000});
+  v.integer({"modbus.frame_timeout_ms"}, c.frame_timeout_ms, {10, 60000});
+  v.texts({"modbus.allow"}, c.allow);
+  v.text({"modbus.writer"}, c.writer);
+  v.integer({"modbus.plc_heartbeat_timeout_ms"}, c.plc_heartbeat_timeout_ms, {0, 3600000});
+  choose_named(v, {"modbus.word_order"}, c.encoding.word_order, map::kWordOrderNames);
+  choose_named(v, {"modbus.rotation"}, c.encoding.rotation, map::kRotationConventionNames);
+  choose_named(v, {"modbus.length_unit"}, c.encoding.length, map::kLengthUnitNames);
+  choose_named(v, {"modbus.angle_unit"}, c.encoding.angle, map::kAngleUnitNames);
+}
+
 void visit_rest(Config& c, KeyVisitor& v) {
   static constexpr const char* kIsas[] = {"best", "scalar", "sse4", "avx2", "avx512"};
   static constexpr const char* kSchedulings[] = {"other", "fifo", "round_robin"};
@@ -81,6 +113,7 @@ void visit_rest(Config& c, KeyVisitor& v) {
 void visit_keys(Config& config, KeyVisitor& visitor) {
   visit_sensor(config.sensor, visitor);
   visit_station(config.station, visitor);
+  visit_modbus(config.modbus, visitor);
   visit_rest(config, visitor);
 }
 

@@ -45,7 +45,7 @@ Daemon::Daemon(const Config& config, OpenFn open, Log& log, Notifier& notifier)
       detector_(recipes_.models(), recipes_.limits(), {MapLayout::kRearranged, config_.threads.isa},
                 workers_, monotonic_ns, arena_),
       board_(config_.station.picks_max, arena_),
-      sinks_{&board_},
+      sink_count_(collect_sinks()),
       session_(std::move(open), frames_, session_params_of(config_.sensor)),
       source_(session_),
       station_(make_station()),
@@ -64,13 +64,24 @@ ThreadPool Daemon::make_workers() const {
 
 Station Daemon::make_station() {
   const ScopedScheduling scheduling(config_.threads);
-  return Station({recipes_, detector_, source_, monotonic_ns, sinks_}, config_, arena_);
+  return Station({recipes_, detector_, source_, monotonic_ns, std::span(sinks_).first(sink_count_)},
+                 config_, arena_);
+}
+
+// The board last: when it says that there is something new, it is everywhere.
+std::size_t Daemon::collect_sinks() {
+  std::size_t count = 0;
+  if (config_.modbus.enabled) sinks_[count++] = &modbus_.emplace(config_);
+  sinks_[count++] = &board_;
+  return count;
 }
 
 void Daemon::run() {
   station_.start();
+  if (modbus_) modbus_->start(station_, session_);
   log_.info("ready: %zu recipes, %.0f MiB planned, %d threads compute", recipes_.recipes().size(),
             static_cast<double>(plan_.bytes_total()) / (1 << 20), workers_.thread_count());
+  if (modbus_) log_.info("Modbus TCP on %s:%d", config_.modbus.bind.c_str(), modbus_->port());
   notifier_.ready("waiting for commands");
   int wait_ms = kTurn_ms;
   if (const auto period = notifier_.watchdog_period())
@@ -78,6 +89,8 @@ void Daemon::run() {
   while (!ending_) turn(wait_ms);
   notifier_.stopping();
   log_.info("stopping");
+  // No new orders; the cycle that runs is answered.
+  if (modbus_) modbus_->stop();
   station_.stop();
 }
 
@@ -110,6 +123,7 @@ void Daemon::reload() {
     const ConfigChanges changes = compare(config_, wanted);
     take_live_values(config_, wanted);
     station_.reload(config_);
+    if (modbus_) modbus_->set_flange_needed(needs_flange_pose(config_.station));
     log_.set_level(config_.logging.level);
     if (changes.live.empty() && changes.restart.empty()) log_.info("reload: nothing has changed");
     if (!changes.live.empty()) log_.info("reload: taken over: %s", joined(changes.live).c_str());

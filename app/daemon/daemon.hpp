@@ -8,6 +8,7 @@
 
 #include "daemon/control_socket.hpp"
 #include "daemon/log.hpp"
+#include "daemon/modbus_link.hpp"
 #include "daemon/notify.hpp"
 #include "daemon/result_board.hpp"
 #include "daemon/signals.hpp"
@@ -27,13 +28,16 @@ class Daemon {
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
 
-  // Until a signal asks it to end, or `stop()`.
+  // Until a signal asks it to end, or stop() (any thread).
   void run();
 
   Station& station() { return station_; }
   const SensorSession& session() const { return session_; }
   const MemoryPlan& plan() const { return plan_; }
   const Arena& arena() const { return arena_; }
+  // Of the Modbus server; 0: there is none.
+  int modbus_port() const { return modbus_ ? modbus_->port() : 0; }
+  void stop() { ending_ = true; }
 
  private:
   void turn(int wait_ms);
@@ -45,6 +49,7 @@ class Daemon {
   std::string status_text() const;
   ThreadPool make_workers() const;
   Station make_station();
+  std::size_t collect_sinks();
 
   Config config_;
   Log& log_;
@@ -56,14 +61,16 @@ class Daemon {
   ThreadPool workers_;
   Detector detector_;
   ResultBoard board_;
-  std::array<StationSink*, 1> sinks_;
+  std::optional<ModbusLink> modbus_;  // none where it is not enabled
+  std::array<StationSink*, 2> sinks_;
+  std::size_t sink_count_ = 0;
   SensorSession session_;
   SessionSource source_;
   Station station_;
   ControlSocket control_;
   SignalInbox signals_;
 
-  bool ending_ = false;
+  std::atomic<bool> ending_{false};
   std::array<std::uint64_t, ResultBoard::kSources> told_{};
   std::uint64_t progress_fed_ = 0, opened_told_ = 0, losses_told_ = 0;
   std::string open_error_told_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "modbus/answer.hpp"
+
 namespace binpick::app {
 namespace {
 
@@ -43,16 +45,8 @@ Cause cause_of(ErrorCode code, bool deadline_came) {
   }
 }
 
-// The one place where the deadline is handed to the detector, and where it says that it came; both
-// only where the detector knows deadlines.
-template <class Request>
-void hand_over_deadline(Request& request, std::int64_t deadline_ns) {
-  if constexpr (requires { request.deadline_ns; }) request.deadline_ns = deadline_ns;
-}
-template <class Report>
-bool was_cut_short(const Report& report) {
-  if constexpr (requires { report.cut_short; }) return report.cut_short;
-  return false;
+constexpr std::uint16_t bit(NoPickReason reason) {
+  return static_cast<std::uint16_t>(reason);
 }
 
 bool has_measurement(const Frame& frame) {
@@ -148,8 +142,7 @@ StationState Cycle::begin(const Order& order) {
 
 // kDone: it may be carried out.
 Cause Cycle::refusal(const Order& order) const {
-  const int code = static_cast<int>(order.code);
-  if (code < 0 || code > static_cast<int>(OrderCode::kFlush)) return Cause::kCommandUnknown;
+  if (order.refusal != Cause::kDone) return order.refusal;
   if (order.code == OrderCode::kSelectRecipe || (cycles(order.code) && order.recipe != 0)) {
     if (parts_.recipes.find(order.recipe) == nullptr) return Cause::kRecipeUnknown;
   }
@@ -196,8 +189,8 @@ Cause Cycle::cause_without_cycle(const Order& order) {
 }
 
 Cause Cycle::turn_page(int page) {
-  const int pages = (static_cast<int>(result_.picks.size()) + kPagePicks - 1) / kPagePicks;
-  if (pages == 0) return Cause::kNothingToPage;
+  if (result_.page == 0) return Cause::kNothingToPage;
+  const int pages = modbus::page_count(static_cast<int>(result_.picks.size()));
   if (page < 1 || page > pages) return Cause::kPageUnknown;
   result_.page = page;
   return Cause::kDone;
@@ -218,7 +211,7 @@ StationState Cycle::grab() {
   const std::int64_t after_ns = parts_.clock();
   result_.times.grab_ms = ms_between(before_ns, after_ns);
   if (!grabbed.ok()) {
-    result_.no_pick_reasons |= kNoFrame;
+    result_.no_pick_reasons |= bit(NoPickReason::kNoFrame);
     const bool deadline_came = deadline_first && Clock::now() >= until;
     const Cause cause = cause_of(grabbed.error().code, deadline_came);
     result_.error = grabbed.error();
@@ -249,7 +242,7 @@ StationState Cycle::compute() {
   request.model_indices = recipe_->models;
   request.min_score = recipe_->min_score;
   request.max_results = static_cast<int>(picks_.size());
-  hand_over_deadline(request, deadline_ns_);
+  request.deadline_ns = deadline_ns_;  // one clock: the detector was made with it
   const std::int64_t before_ns = parts_.clock();
   const Result<DetectionReport> report = parts_.detector.detect(frame, request);
   const std::int64_t after_ns = parts_.clock();
@@ -262,7 +255,7 @@ StationState Cycle::compute() {
   rank(report.value());
   explain(frame, report.value());
   result_.times.rank_ms = ms_between(after_ns, parts_.clock());
-  if (!was_cut_short(report.value())) return end(Cause::kDone);
+  if (!report.value().cut_short) return end(Cause::kDone);
   return end(result_.picks.empty() ? Cause::kDeadlineMissed : Cause::kCutShort);
 }
 
@@ -277,7 +270,7 @@ void Cycle::rank(const DetectionReport& report) {
       rank_picks(report.detections, *recipe_, settings_.ranking, in_base ? T_base_cam() : Pose{},
                  in_base, wanted_picks(), ranking_, picks_);
   result_.picks = picks_.first(static_cast<std::size_t>(count));
-  result_.page = count > 0 ? 1 : 0;
+  result_.page = 1;
   result_.detections = static_cast<int>(report.detections.size());
   result_.dropped = report.dropped;
   result_.stage_ms = report.stage_ms;
@@ -293,17 +286,16 @@ void Cycle::explain(const Frame& frame, const DetectionReport& report) {
   const auto dropped = [&](DropReason reason) {
     return report.dropped[static_cast<std::size_t>(reason)] > 0;
   };
-  if (dropped(DropReason::kBelowMinScore)) reasons |= kBelowScore;
-  if (dropped(DropReason::kTooHidden)) reasons |= kTooHidden;
-  if (dropped(DropReason::kContradicted)) reasons |= kContradicted;
-  if (dropped(DropReason::kPoseDiverged)) reasons |= kPoseUncertain;
-  const bool cut_short = was_cut_short(report);
-  if (cut_short) reasons |= kDeadline;
+  if (dropped(DropReason::kBelowMinScore)) reasons |= bit(NoPickReason::kBelowScore);
+  if (dropped(DropReason::kTooHidden)) reasons |= bit(NoPickReason::kTooHidden);
+  if (dropped(DropReason::kContradicted)) reasons |= bit(NoPickReason::kContradicted);
+  if (dropped(DropReason::kPoseDiverged)) reasons |= bit(NoPickReason::kPoseUncertain);
+  if (report.cut_short) reasons |= bit(NoPickReason::kDeadline);
   if (dropped(DropReason::kResultLimit) || result_.picks.size() < report.detections.size())
-    reasons |= kLimit;
-  if (!result_.picks.empty() || reasons & kLimit) return;
-  if (!has_measurement(frame)) reasons |= kNoMeasurement;
-  if (reasons == 0) reasons |= kNothingFound;
+    reasons |= bit(NoPickReason::kLimit);
+  if (!result_.picks.empty() || reasons & bit(NoPickReason::kLimit)) return;
+  if (!has_measurement(frame)) reasons |= bit(NoPickReason::kNoMeasurement);
+  if (reasons == 0) reasons |= bit(NoPickReason::kNothingFound);
 }
 
 // The state that the cause leaves the station in.

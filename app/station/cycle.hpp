@@ -38,9 +38,6 @@ struct CycleParts {
 
 class Cycle {
  public:
-  // Picks on one page of the answer, as the register map has them.
-  static constexpr int kPagePicks = 6;
-
   // What the constructor takes from its arena.
   static std::size_t footprint(int picks_max);
   Cycle(const CycleParts& parts, const StationSettings& settings, int picks_max, int first_recipe,

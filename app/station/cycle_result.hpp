@@ -14,20 +14,7 @@
 
 namespace binpick::app {
 
-// The numbers are those of the register map's command codes.
-enum class OrderCode : int {
-  kNone = 0,     // acknowledged, the picks stay
-  kDetect = 1,   // grab a frame and find picks in it
-  kCapture = 2,  // grab a frame and keep it: the robot may move from here on
-  kProcess = 3,  // find picks in the frame that is kept
-  kSelectRecipe = 4,
-  kNextPage = 5,
-  kPage = 6,
-  kClearFault = 7,
-  kFreeRunStart = 8,
-  kFreeRunStop = 9,
-  kFlush = 10,  // forget the frame and the picks
-};
+using OrderCode = modbus::map::CommandCode;
 const char* order_name(OrderCode code);
 
 enum class OrderSource : int { kPlc = 0, kControl, kFreeRun };
@@ -43,6 +30,7 @@ struct Order {
   bool has_flange_pose = false;  // needed where the sensor rides on the robot
   Pose T_base_flange;
   std::int64_t received_ns = 0;  // monotonic
+  Cause refusal = Cause::kDone;  // otherwise: its source found that it cannot be carried out
 };
 
 struct Pick {
@@ -65,7 +53,7 @@ struct CycleResult {
   std::uint64_t cycle = 0;  // counts orders that grab or process a frame, from 1
   Order order;
   Cause cause = Cause::kNoResult;
-  std::uint16_t no_pick_reasons = 0;  // NoPickReason bits
+  std::uint16_t no_pick_reasons = 0;  // bits of NoPickReason
   Error error;                        // what core or driver said, behind a fault
   bool late = false;                  // the answer came after its deadline
   int recipe = 0;
@@ -77,7 +65,7 @@ struct CycleResult {
   int detections = 0;                // accepted by the detector; picks are the best ranked of them
   std::array<int, kDropReasonCount> dropped{};
   std::array<double, kStageCount> stage_ms{};
-  int page = 0;                 // of the picks, from 1; 0: there is none
+  int page = 0;                 // of the picks, from 1; 0: nothing was looked for
   std::span<const Pick> picks;  // best first; borrowed
 };
 

@@ -1,14 +1,28 @@
-// What people and logs call the station's orders and states.
+// What people and logs call the station's orders, causes and states.
+#include <span>
+
 #include "station/cycle_result.hpp"
 
 namespace binpick::app {
+namespace {
+
+namespace map = modbus::map;
+
+const char* name_in(std::span<const map::NamedValue> names, int value) {
+  for (const map::NamedValue& known : names) {
+    if (known.value == value) return known.name;
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+const char* cause_name(Cause cause) {
+  return name_in(map::kCauseNames, static_cast<int>(cause));
+}
 
 const char* order_name(OrderCode code) {
-  constexpr const char* kNames[] = {"none",           "detect",        "capture", "process",
-                                    "select_recipe",  "next_page",     "page",    "clear_fault",
-                                    "free_run_start", "free_run_stop", "flush"};
-  const int index = static_cast<int>(code);
-  return index >= 0 && index <= static_cast<int>(OrderCode::kFlush) ? kNames[index] : "unknown";
+  return name_in(map::kCommandCodeNames, static_cast<int>(code));
 }
 
 const char* station_state_name(StationState state) {

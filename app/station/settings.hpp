@@ -17,6 +17,11 @@ struct StationSettings {
   int frame_deadline_ms = 0;
 };
 
+// Whether commands that grab must carry the flange's pose.
+inline bool needs_flange_pose(const StationConfig& c) {
+  return c.pose_frame == PoseFrame::kBase && c.mounting == Mounting::kFlange;
+}
+
 inline StationSettings settings_of(const Config& config) {
   const StationConfig& c = config.station;
   return {c.deadline_ms,

@@ -21,7 +21,9 @@ Station::Station(const StationParts& parts, const Config& config, Arena& arena)
               [](void* station) { static_cast<Station*>(station)->tell_status(); }, this},
              settings_of(config), config.station.picks_max, first_recipe(config), arena),
       thread_([this] { work(); }) {
+  const std::lock_guard lock(mutex_);
   cycle_.set_free_running(config.station.free_run);
+  status_ = status_now();
 }
 
 Station::~Station() {
