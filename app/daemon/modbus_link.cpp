@@ -1,5 +1,7 @@
 #include "daemon/modbus_link.hpp"
 
+#include <pthread.h>
+
 #include <algorithm>
 
 #include "sensor/sensor_spec.hpp"
@@ -84,6 +86,7 @@ void ModbusLink::stop() {
 }
 
 void ModbusLink::run() {
+  pthread_setname_np(pthread_self(), "modbus-link");
   modbus::TakenCommand taken;
   while (!stopping_) {
     if (inbox_.wait(taken, kTurn_ms)) take(taken);
