@@ -143,7 +143,7 @@ std::string ControlSocket::reply_to(Client& client, std::string_view line) {
   const auto waits = [](const Client& c) { return c.descriptor >= 0 && c.waits_for != 0; };
   // One at a time: each order is sure to find its answer on the board.
   if (std::any_of(clients_.begin(), clients_.end(), waits) || !handlers_.offer(request.order))
-    return fault_json("busy: another order is under way");
+    return refusal_json(Cause::kBusy, "busy: another order is under way");
   client.waits_for = request.order.sequence;
   return "";
 }

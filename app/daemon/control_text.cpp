@@ -152,6 +152,14 @@ std::string status_json(const StationStatus& status, const char* sensor_state) {
       .dump();
 }
 
+std::string refusal_json(Cause cause, std::string_view fault) {
+  return Json{{"ok", false},
+              {"cause", static_cast<int>(cause)},
+              {"cause_name", cause_name(cause)},
+              {"fault", fault}}
+      .dump();
+}
+
 std::string fault_json(std::string_view fault) {
   return Json{{"ok", false}, {"fault", fault}}.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

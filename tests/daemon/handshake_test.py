@@ -4,6 +4,7 @@
 import random
 import re
 import shutil
+import socket
 import subprocess
 import sys
 import threading
@@ -144,6 +145,41 @@ class Handshake(unittest.TestCase):
         self.assertFalse(self.station.ask("recipe 77")["ok"])
         self.assertIn("none of", self.station.ask("explode")["fault"])
         self.assertEqual(self.station.ask("status")["sensor"], "ready")
+
+
+class ControlSocket(unittest.TestCase):
+    def test_one_order_at_a_time(self):
+        with started() as station:
+            answers = []
+            threads = [threading.Thread(target=lambda: answers.append(station.ask("detect")))
+                       for _ in range(4)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            causes = sorted(answer["cause"] for answer in answers)
+            self.assertEqual(causes[0], 1)
+            self.assertIn(106, causes)
+
+    def test_who_hangs_up_or_says_too_much_harms_nobody(self):
+        with started() as station:
+            for line in (b"detect\n", b"x" * 5000, b"\0\xff\n" * 50, b"status\n" * 300):
+                with socket.socket(socket.AF_UNIX) as rude:
+                    rude.connect(station.control)
+                    try:
+                        rude.sendall(line)
+                    except OSError:
+                        pass  # hung up on, as it should be
+            end = time.monotonic() + 30
+            while not station.ask("detect")["ok"] and time.monotonic() < end:
+                time.sleep(0.05)
+            self.assertTrue(station.ask("detect")["ok"])
+            patient = [socket.socket(socket.AF_UNIX) for _ in range(8)]
+            for client in patient:
+                client.connect(station.control)
+            self.assertIn("too many", station.ask("status")["fault"])
+            for client in patient:
+                client.close()
 
 
 class PlcHeartbeat(unittest.TestCase):
