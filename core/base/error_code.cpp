@@ -36,6 +36,18 @@ const char* error_message(ErrorCode code) {
       return "no model with this index was loaded";
     case ErrorCode::kArenaTooSmall:
       return "the memory set aside is too small";
+    case ErrorCode::kSensorTimeout:
+      return "no frame came in time";
+    case ErrorCode::kSensorLost:
+      return "the sensor no longer answers";
+    case ErrorCode::kSensorNotStarted:
+      return "the sensor is not started";
+    case ErrorCode::kSensorFrameDropped:
+      return "a frame came but was dropped";
+    case ErrorCode::kSensorRefused:
+      return "the sensor refused a command";
+    case ErrorCode::kSensorEnd:
+      return "the recording is over";
   }
   return "unknown error";
 }

@@ -4,6 +4,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "binpick/drivers/depth_code.hpp"
 #include "binpick/drivers/loaded_frame.hpp"
 
 namespace binpick::drivers {
@@ -37,7 +38,7 @@ ImageBuffer<float> read_depth_mm(const std::string& path, double depth_scale) {
   for (int y = 0; y < raw.rows; ++y) {
     const std::uint16_t* row = raw.ptr<std::uint16_t>(y);
     for (int x = 0; x < raw.cols; ++x)
-      depth.pixels.push_back(static_cast<float>(row[x] * depth_scale));
+      depth.pixels.push_back(depth_mm_from_code(row[x], depth_scale));
   }
   return depth;
 }

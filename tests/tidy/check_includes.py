@@ -3,7 +3,8 @@
 
 core/        the C++ library without files, clocks, threads and printing; Eigen; Highway
 core/train/  core, the whole C++ library, POSIX, assimp, OSMesa
-drivers/     of core only base, frame and geometry; image and JSON libraries; never app
+drivers/     of core only base, frame and geometry; image and JSON libraries; never app;
+             Aravis in drivers/aravis/, libusb in drivers/usb/
 app/         public headers of core and drivers, its own private ones; neither assimp nor OSMesa
 tests/, tools/ everything
 
@@ -18,7 +19,7 @@ from source_tree import CPP_SUFFIXES, files, includes, run, text_of
 LIBRARIES = {  # first part of the path -> library
     "Eigen": "Eigen", "hwy": "Highway", "assimp": "assimp", "GL": "OSMesa",
     "opencv2": "OpenCV", "nlohmann": "nlohmann", "CLI": "CLI11", "gtest": "GoogleTest",
-    "gmock": "GoogleTest",
+    "gmock": "GoogleTest", "arv.h": "Aravis", "libusb.h": "libusb", "toml++": "tomlplusplus",
 }
 POSIX = ("sys", "unistd.h", "fcntl.h", "pthread.h", "signal.h", "poll.h", "dirent.h", "errno.h",
          "time.h", "sched.h", "dlfcn.h", "arpa", "netinet", "spawn.h", "stdio.h", "stdlib.h")
@@ -34,8 +35,8 @@ CORE_EXCEPTIONS = {("core/base/assert.cpp", "cstdio")}  # the last words before 
 ALLOWED_LIBRARIES = {
     "core": {"std", "Eigen", "Highway"},
     "train": {"std", "POSIX", "Eigen", "assimp", "OSMesa"},
-    "drivers": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann"},
-    "app": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "CLI11"},
+    "drivers": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "Aravis", "libusb"},
+    "app": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "CLI11", "tomlplusplus"},
 }
 ALLOWED_AREAS = {
     "core": {"core"},
@@ -43,6 +44,9 @@ ALLOWED_AREAS = {
     "drivers": {"drivers", "core"},
     "app": {"app", "drivers", "train", "core"},
 }
+SHARED_BY_DRIVERS = "genicam"  # payloads and formats: no device library
+# Device libraries, each in one folder only.
+LIBRARY_FOLDERS = {"Aravis": "drivers/aravis/", "libusb": "drivers/usb/"}
 DRIVERS_SEE_OF_CORE = {"base", "frame", "geometry"}
 # Where a private header may stand, seen from the area that includes it.
 PRIVATE_ROOTS = {
@@ -100,7 +104,8 @@ def fault_of_ours(relative, area, header):
         return "drivers see of core only " + ", ".join(sorted(DRIVERS_SEE_OF_CORE))
     if area == "drivers" and other == "drivers" and not public:
         mine, its = relative.split("/")[1:-1], header.split("/")[1:-1]
-        if its and mine[:1] != its[:1]:
+        # What stands above the drivers' folders chooses between them.
+        if its and mine and mine[:1] != its[:1] and its[:1] != [SHARED_BY_DRIVERS]:
             return "one driver may not include another's private header"
     return None
 
@@ -112,6 +117,8 @@ def fault_of_library(relative, area, target, quoted):
         return f"a {kind} for {area}"
     if library not in ALLOWED_LIBRARIES[area]:
         return f"{area} may not use {library}"
+    if not relative.startswith(LIBRARY_FOLDERS.get(library, "")):
+        return f"{library} belongs into {LIBRARY_FOLDERS[library]}"
     if area == "core" and target in NOT_IN_CORE and (relative, target) not in CORE_EXCEPTIONS:
         return "core has no files, clocks, threads or printing of its own"
     return None

@@ -89,6 +89,17 @@ class IncludesTest(TreeTest):
         self.assert_one_fault(self.faults("drivers/fake/fake.cpp", '"replay/recording.hpp"'),
                               "another's private header")
 
+    def test_each_device_library_has_one_folder(self):
+        self.assertEqual(self.faults("drivers/aravis/file.cpp", "<arv.h>"), [])
+        self.assert_one_fault(self.faults("drivers/replay/file.cpp", "<arv.h>"),
+                              "Aravis belongs into drivers/aravis")
+        (self.root / "drivers/replay/file.cpp").unlink()
+        self.assert_one_fault(self.faults("app/main.cpp", "<libusb.h>"), "app may not use libusb")
+
+    def test_drivers_share_the_payload_folder(self):
+        self.write("drivers/genicam/scan3d.hpp", "#pragma once\n")
+        self.assertEqual(self.faults("drivers/aravis/file.cpp", '"genicam/scan3d.hpp"'), [])
+
     def test_app_sees_public_headers_only(self):
         self.assert_one_fault(self.faults("app/main.cpp", '"../core/search/scan.hpp"'),
                               "a private header of core")

@@ -23,6 +23,13 @@ enum class ErrorCode : int {
   kModelIndexUnknown = 206,    // the request names a model that was not loaded
   // Memory
   kArenaTooSmall = 300,
+  // Sensors
+  kSensorTimeout = 400,       // no frame before the deadline
+  kSensorLost = 401,          // the sensor no longer answers
+  kSensorNotStarted = 402,    // asked for a frame before start or after stop
+  kSensorFrameDropped = 403,  // a frame came but could not be used; detail: which DropReason
+  kSensorRefused = 404,       // the sensor refused a command
+  kSensorEnd = 405,           // a recording that plays once is over
 };
 
 }  // namespace binpick

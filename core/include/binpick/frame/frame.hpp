@@ -23,7 +23,11 @@ struct Frame {
   ImageView<const std::uint8_t> intensity;
   CameraIntrinsics camera;
   Roi roi;
+  // When the frame's first byte reached this host, on its monotonic clock; 0: not known.
   std::int64_t capture_ns = 0;
+  // The sensor's own clock at exposure, from an origin of its own; 0: the source has none.
+  std::int64_t device_ns = 0;
+  // As the source counts: gaps are frames that were lost on the way.
   std::uint64_t sequence = 0;
 };
 

@@ -1,0 +1,289 @@
+#include "sensor/sensor_session.hpp"
+
+#include <algorithm>
+
+namespace binpick::app {
+namespace {
+
+using drivers::CameraCounters;
+using drivers::TriggerSource;
+using Clock = std::chrono::steady_clock;
+
+// Between two looks at an idle sensor's connection.
+constexpr std::chrono::milliseconds kIdlePeriod{200};
+// How much later than the worker a caller notices that no frame came.
+constexpr std::chrono::milliseconds kWorkerMargin{50};
+// Before a sensor that was busy is triggered again.
+constexpr std::chrono::milliseconds kBusyPause{5};
+
+CameraCounters sum(CameraCounters a, const CameraCounters& b) {
+  a.frames += b.frames;
+  for (std::size_t i = 0; i < a.dropped.size(); ++i) a.dropped[i] += b.dropped[i];
+  a.frames_missed += b.frames_missed;
+  a.packets_resent += b.packets_resent;
+  a.packets_missing += b.packets_missing;
+  a.underruns += b.underruns;
+  return a;
+}
+
+std::int64_t ns_of(Clock::time_point time) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
+}
+
+}  // namespace
+
+const char* session_state_name(SessionState state) {
+  switch (state) {
+    case SessionState::kConnecting:
+      return "connecting";
+    case SessionState::kReady:
+      return "ready";
+    case SessionState::kLost:
+      return "lost";
+  }
+  return "unknown";
+}
+
+SensorSession::SensorSession(OpenFn open, FramePool& pool, SessionParams params)
+    : open_(std::move(open)),
+      pool_(pool),
+      params_(std::move(params)),
+      worker_([this] { work(); }) {}
+
+SensorSession::~SensorSession() {
+  {
+    const std::lock_guard lock(mutex_);
+    end_ = true;
+  }
+  to_worker_.notify_all();
+  to_callers_.notify_all();
+  worker_.join();
+}
+
+bool SensorSession::ending() const {
+  const std::lock_guard lock(mutex_);
+  return end_;
+}
+
+bool SensorSession::pause(std::chrono::milliseconds time) {
+  std::unique_lock lock(mutex_);
+  return !to_worker_.wait_for(lock, time, [&] { return end_; });
+}
+
+void SensorSession::set_state(SessionState state) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (state == SessionState::kReady) ++status_.opened;
+    if (state == SessionState::kLost && status_.state != SessionState::kLost) {
+      ++status_.losses;
+      // Who waits learns it now, before seconds of tearing down. Who began to wait after the loss
+      // was noticed waits for the sensor's return.
+      if (request_open_ && answered_ < requested_) {
+        answer_.emplace(Error{ErrorCode::kSensorLost, 0, "sensor"});
+        answered_ = requested_;
+      }
+    }
+    status_.state = state;
+  }
+  to_callers_.notify_all();
+}
+
+void SensorSession::note_failure(const char* message) {
+  const std::lock_guard lock(mutex_);
+  ++status_.open_failures;
+  status_.last_error = message;
+}
+
+void SensorSession::work() {
+  while (!ending()) {
+    std::unique_ptr<drivers::Camera> camera = connect();
+    if (!camera) return;
+    set_state(SessionState::kReady);
+    serve(*camera);
+    if (!ending()) set_state(SessionState::kLost);
+    disconnect(std::move(camera));
+  }
+}
+
+std::unique_ptr<drivers::Camera> SensorSession::connect() {
+  std::chrono::milliseconds backoff = params_.backoff_first;
+  for (int failures = 0; !ending();) {
+    try {
+      std::unique_ptr<drivers::Camera> camera = open_();
+      camera->start(pool_);
+      const std::lock_guard lock(mutex_);
+      camera_ = camera.get();
+      return camera;
+    } catch (const std::exception& e) {
+      note_failure(e.what());
+    }
+    ++failures;
+    if (params_.recover && failures % params_.failures_before_recovery == 0) params_.recover();
+    if (!pause(backoff)) break;
+    backoff = std::min(2 * backoff, params_.backoff_max);
+  }
+  return nullptr;
+}
+
+void SensorSession::disconnect(std::unique_ptr<drivers::Camera> camera) {
+  camera->stop();
+  const std::lock_guard lock(mutex_);
+  closed_ = sum(closed_, camera->counters());
+  camera_ = nullptr;
+}
+
+// Until the sensor is lost or the session ends.
+void SensorSession::serve(drivers::Camera& camera) {
+  for (;;) {
+    std::uint64_t request = 0;
+    {
+      std::unique_lock lock(mutex_);
+      const auto wanted = [&] { return end_ || (request_open_ && answered_ < requested_); };
+      if (params_.trigger == TriggerSource::kSoftware)
+        to_worker_.wait_for(lock, kIdlePeriod, wanted);
+      if (end_) return;
+      if (wanted()) request = requested_;
+    }
+    bool alive = true;
+    if (params_.trigger != TriggerSource::kSoftware) {
+      alive = serve_stream(camera);
+    } else if (request != 0) {
+      alive = serve_request(camera, request);
+    } else {
+      const Result<FrameRef> idle = camera.wait_frame(Clock::now());
+      alive = idle.ok() || idle.error().code != ErrorCode::kSensorLost;
+    }
+    if (!alive) return;
+  }
+}
+
+// Triggers until a frame is good or the frame deadline is over; false: the sensor is lost.
+bool SensorSession::serve_request(drivers::Camera& camera, std::uint64_t request) {
+  const Clock::time_point deadline = Clock::now() + params_.frame_deadline;
+  for (;;) {
+    const Error refused = camera.trigger();
+    if (refused.code == ErrorCode::kSensorLost) return false;
+    if (refused.code != ErrorCode::kNone) {
+      if (Clock::now() + kBusyPause >= deadline || !pause(kBusyPause)) return false;
+      continue;
+    }
+    Result<FrameRef> result = camera.wait_frame(deadline);
+    const bool over = Clock::now() >= deadline;
+    if (result.ok() || result.error().code == ErrorCode::kSensorEnd) {
+      post(request, std::move(result));
+      return true;
+    }
+    const ErrorCode code = result.error().code;
+    if (code != ErrorCode::kSensorFrameDropped) return false;
+    if (over) {
+      // Frames come, but none is good: the sensor is there, opening it again would not help.
+      post(request, std::move(result));
+      return true;
+    }
+    if (result.error().detail == static_cast<long long>(drivers::DropReason::kPoolEmpty) &&
+        !pause(kBusyPause))
+      return true;
+    const std::lock_guard lock(mutex_);
+    ++status_.retriggers;
+  }
+}
+
+// One frame of a sensor that runs by itself or by a line.
+bool SensorSession::serve_stream(drivers::Camera& camera) {
+  // Short, so that the end of the session is seen; silence is added up over the calls.
+  const Clock::time_point deadline = Clock::now() + params_.frame_deadline;
+  for (;;) {
+    Result<FrameRef> result = camera.wait_frame(std::min(deadline, Clock::now() + kIdlePeriod));
+    if (ending()) return true;
+    if (result.ok()) {
+      std::uint64_t request = 0;
+      {
+        const std::lock_guard lock(mutex_);
+        request = requested_;
+      }
+      post(request, std::move(result));
+      return true;
+    }
+    const ErrorCode code = result.error().code;
+    if (code == ErrorCode::kSensorFrameDropped) return true;  // it lives
+    if (code == ErrorCode::kSensorEnd) {
+      post(0, std::move(result));
+      return pause(kIdlePeriod);
+    }
+    if (code != ErrorCode::kSensorTimeout) return false;
+    // A line that stays quiet is no loss.
+    if (Clock::now() >= deadline) return params_.trigger == TriggerSource::kLine;
+  }
+}
+
+// Hands the result to who waits. A stream's frame stays until a newer one takes its place.
+void SensorSession::post(std::uint64_t request, Result<FrameRef> result) {
+  {
+    const std::lock_guard lock(mutex_);
+    const bool stream = params_.trigger != TriggerSource::kSoftware;
+    status_.state = SessionState::kReady;  // should a caller have given it up
+    if (!stream && (!request_open_ || request != requested_)) {
+      ++status_.late_frames;
+      return;
+    }
+    answer_.emplace(std::move(result));
+    answered_ = requested_;
+  }
+  to_callers_.notify_all();
+}
+
+Result<FrameRef> SensorSession::grab(TimePoint deadline) {
+  const std::lock_guard one_at_a_time(grab_mutex_);
+  const std::int64_t begun_ns = ns_of(Clock::now());
+  std::unique_lock lock(mutex_);
+  const bool keeps_waiting_frame = params_.trigger == TriggerSource::kLine;
+  if (!keeps_waiting_frame) answer_.reset();
+  ++requested_;
+  request_open_ = true;
+  to_worker_.notify_all();
+  const auto too_old = [&] {
+    return params_.trigger == TriggerSource::kFreeRun && answer_->ok() &&
+           answer_->value().frame().capture_ns != 0 &&
+           answer_->value().frame().capture_ns < begun_ns;
+  };
+  // The worker may be inside an access that takes seconds to fail.
+  const TimePoint silence = Clock::now() + params_.frame_deadline + kWorkerMargin;
+  const bool ready_before = status_.state == SessionState::kReady;
+  const bool notices_silence = ready_before && params_.trigger != TriggerSource::kLine;
+  const TimePoint until = notices_silence ? std::min(deadline, silence) : deadline;
+  for (;;) {
+    if (!to_callers_.wait_until(lock, until, [&] { return end_ || answer_.has_value(); })) break;
+    if (end_) break;
+    if (!too_old()) {
+      Result<FrameRef> result = std::move(*answer_);
+      answer_.reset();
+      request_open_ = false;
+      return result;
+    }
+    answer_.reset();
+    answered_ = requested_ - 1;
+  }
+  request_open_ = false;
+  if (notices_silence && !end_ && until == silence && status_.state == SessionState::kReady) {
+    status_.state = SessionState::kLost;
+    ++status_.losses;
+  }
+  const bool ready = status_.state == SessionState::kReady;
+  return Error{ready ? ErrorCode::kSensorTimeout : ErrorCode::kSensorLost, 0, "sensor"};
+}
+
+bool SensorSession::wait_ready(TimePoint deadline) {
+  std::unique_lock lock(mutex_);
+  to_callers_.wait_until(lock, deadline,
+                         [&] { return end_ || status_.state == SessionState::kReady; });
+  return status_.state == SessionState::kReady;
+}
+
+SessionStatus SensorSession::status() const {
+  const std::lock_guard lock(mutex_);
+  SessionStatus status = status_;
+  status.camera = camera_ != nullptr ? sum(closed_, camera_->counters()) : closed_;
+  return status;
+}
+
+}  // namespace binpick::app

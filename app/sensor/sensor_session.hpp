@@ -1,0 +1,98 @@
+// A sensor that is kept alive: opened, asked for frames, and where it is lost torn down, opened
+// again and set up as before. The policy above all drivers, written once.
+//
+// One worker thread does everything that touches the sensor, since every access on a dead link
+// blocks for seconds; who grabs waits for its own deadline only. A frame that does not come within
+// the frame deadline is the first sign of a loss: the library's own is five seconds late.
+// Thread-safe. Frames are given back before the session and the pool are destroyed.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "binpick/drivers/camera.hpp"
+#include "binpick/drivers/camera_spec.hpp"
+
+namespace binpick::app {
+
+struct SessionParams {
+  drivers::TriggerSource trigger = drivers::TriggerSource::kSoftware;
+  std::chrono::milliseconds frame_deadline{900};
+  // Pauses between attempts to open: the first, doubled up to the longest.
+  std::chrono::milliseconds backoff_first{50}, backoff_max{400};
+  // Called on the worker after so many failed attempts in a row, and after as many again: the last
+  // resort, such as a reset of the USB port.
+  int failures_before_recovery = 5;
+  std::function<void()> recover;
+};
+
+enum class SessionState { kConnecting, kReady, kLost };
+const char* session_state_name(SessionState state);
+
+struct SessionStatus {
+  SessionState state = SessionState::kConnecting;
+  std::uint64_t opened = 0;         // connections made
+  std::uint64_t losses = 0;         // connections lost
+  std::uint64_t open_failures = 0;  // attempts
+  std::uint64_t retriggers = 0;     // a frame was dropped and asked for again
+  std::uint64_t late_frames = 0;    // came when nobody waited any more
+  drivers::CameraCounters camera;   // summed over all connections
+  std::string last_error;           // of opening; empty: none yet
+};
+
+class SensorSession {
+ public:
+  using TimePoint = drivers::Camera::TimePoint;
+  using OpenFn = std::function<std::unique_ptr<drivers::Camera>()>;
+
+  // Starts the worker, which opens the sensor. `open` may throw std::exception: it is tried again.
+  SensorSession(OpenFn open, FramePool& pool, SessionParams params);
+  // Waits for the worker: on a dead link some seconds.
+  ~SensorSession();
+  SensorSession(const SensorSession&) = delete;
+  SensorSession& operator=(const SensorSession&) = delete;
+
+  // A frame taken after this call (line trigger: or waiting already). Never later than the
+  // deadline. kSensorTimeout, kSensorLost, kSensorEnd.
+  Result<FrameRef> grab(TimePoint deadline);
+  // False when the sensor is not ready by then.
+  bool wait_ready(TimePoint deadline);
+  SessionStatus status() const;
+
+ private:
+  void work();
+  std::unique_ptr<drivers::Camera> connect();
+  void disconnect(std::unique_ptr<drivers::Camera> camera);
+  void serve(drivers::Camera& camera);
+  bool serve_request(drivers::Camera& camera, std::uint64_t request);
+  bool serve_stream(drivers::Camera& camera);
+  void post(std::uint64_t request, Result<FrameRef> result);
+  void set_state(SessionState state);
+  void note_failure(const char* message);
+  bool pause(std::chrono::milliseconds time);  // false when the session ends
+  bool ending() const;
+
+  const OpenFn open_;
+  FramePool& pool_;
+  const SessionParams params_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable to_worker_, to_callers_;
+  bool end_ = false;
+  std::uint64_t requested_ = 0, answered_ = 0;  // numbers of grabs
+  bool request_open_ = false;                   // somebody still waits for `requested_`
+  std::optional<Result<FrameRef>> answer_;
+  std::mutex grab_mutex_;              // one grab at a time
+  drivers::Camera* camera_ = nullptr;  // for its counters
+  drivers::CameraCounters closed_;     // of connections that are gone
+  SessionStatus status_;
+
+  std::thread worker_;  // last: everything it uses is made before it
+};
+
+}  // namespace binpick::app

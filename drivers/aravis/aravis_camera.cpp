@@ -1,0 +1,317 @@
+#include "aravis/aravis_camera.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <vector>
+
+#include "aravis/connection.hpp"
+#include "aravis/features.hpp"
+#include "aravis/received_frame.hpp"
+#include "aravis/scan3d_features.hpp"
+#include "aravis/sensor_setup.hpp"
+#include "genicam/hole_marks.hpp"
+
+namespace binpick::drivers {
+namespace {
+
+// Longest sleep without a look at whether the connection is still there.
+constexpr std::int64_t kWaitSlice_us = 50000;
+
+std::int64_t steady_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+class AravisCamera final : public Camera {
+ public:
+  explicit AravisCamera(const CameraSpec& spec)
+      : spec_(spec), camera_(connect_sensor(spec.uri)), features_(camera_.get(), spec.uri) {
+    lost_signal_ = g_signal_connect(arv_camera_get_device(camera_.get()), "control-lost",
+                                    G_CALLBACK(on_control_lost), this);
+  }
+  ~AravisCamera() override {
+    AravisCamera::stop();
+    g_signal_handler_disconnect(arv_camera_get_device(camera_.get()), lost_signal_);
+  }
+
+  void start(FramePool& pool) override;
+  Result<FrameRef> wait_frame(TimePoint deadline) override;
+  Error trigger() override;
+  void stop() override;
+  CameraCounters counters() const override;
+
+ private:
+  static void on_control_lost(ArvDevice*, gpointer self) {
+    static_cast<AravisCamera*>(self)->lost_.store(true, std::memory_order_relaxed);
+  }
+  void make_stream();
+  ArvBuffer* pop(TimePoint deadline);
+  ArvBuffer* newest(ArvBuffer* buffer);
+  Result<FrameRef> take(ArvBuffer* buffer);
+  DropReason fill(ArvBuffer* buffer, FrameRef& ref);
+  DropReason judge_order(ArvBuffer* buffer);
+  void count(DropReason reason) {
+    dropped_[static_cast<std::size_t>(reason)].fetch_add(1, std::memory_order_relaxed);
+  }
+  void give_back(ArvBuffer* buffer);
+  void read_stream_counters();
+
+  CameraSpec spec_;
+  GObjectPtr<ArvCamera> camera_;
+  Features features_;
+  gulong lost_signal_ = 0;
+  std::atomic<bool> lost_{false};
+
+  // Between start and stop.
+  FramePool* pool_ = nullptr;
+  std::size_t payload_bytes_ = 0;
+  std::vector<std::uint8_t> memory_;  // outlives the stream, whose buffers lie in it
+  GObjectPtr<ArvStream> stream_;
+  std::unique_ptr<Scan3dChunks> chunks_;
+  std::unique_ptr<PayloadConverter> converter_;
+  const HoleMarks marks_{static_cast<std::uint64_t>(steady_ns())};
+  ReceivedFrame received_;
+  ReceivedFrame::Rules rules_;
+  Scan3d scan3d_;
+  std::uint64_t last_frame_id_ = 0;
+  bool any_frame_ = false;
+  std::int64_t trigger_wall_ns_ = 0;
+
+  std::array<std::atomic<std::uint64_t>, kDropReasonCount> dropped_{};
+  std::atomic<std::uint64_t> frames_{0}, missed_{0}, resent_{0}, missing_{0}, underruns_{0};
+};
+
+void AravisCamera::start(FramePool& pool) {
+  stop();
+  lost_.store(false, std::memory_order_relaxed);
+  pool_ = &pool;
+  const SensorSetup setup = set_up_sensor(features_, spec_);
+  rules_.formats = features_.pixel_formats();
+  rules_.mono16_is_depth = spec_.profile.mono16_is_depth;
+  rules_.big_endian_chunks = arv_camera_is_gv_device(camera_.get()) != FALSE;
+  chunks_ = std::make_unique<Scan3dChunks>(features_, spec_);
+  scan3d_ = read_scan3d(features_, spec_, setup.with_points);
+  if (!pool.fits(setup.depth_width, setup.depth_height)) {
+    features_.fail("the features Width and Height are " + std::to_string(setup.depth_width) + "x" +
+                   std::to_string(setup.depth_height) + ", frames of up to " +
+                   std::to_string(pool.params().width_max) + "x" +
+                   std::to_string(pool.params().height_max) + " were planned for");
+  }
+  PayloadParams params;
+  params.width_max = pool.params().width_max;
+  params.height_max = pool.params().height_max;
+  params.sensor_width = setup.depth_width;
+  params.sensor_height = setup.depth_height;
+  params.confidence_min = spec_.profile.confidence_min;
+  converter_ = std::make_unique<PayloadConverter>(params);
+  payload_bytes_ = setup.payload_bytes;
+  for (auto& count : dropped_) count.store(0, std::memory_order_relaxed);
+  for (auto* count : {&frames_, &missed_, &resent_, &missing_, &underruns_})
+    count->store(0, std::memory_order_relaxed);
+  any_frame_ = false;
+  trigger_wall_ns_ = 0;
+  make_stream();
+  CaughtError error;
+  arv_camera_start_acquisition(camera_.get(), error.out());
+  if (error) {
+    const std::string message = error.message();
+    stop();
+    features_.fail("does not start: " + message);
+  }
+}
+
+void AravisCamera::make_stream() {
+  CaughtError error;
+  stream_.reset(arv_camera_create_stream(camera_.get(), nullptr, nullptr, error.out()));
+  if (!stream_) features_.fail(std::string("no stream can be made: ") + error.message());
+  if (ARV_IS_GV_STREAM(stream_.get())) {
+    const guint retention_us = static_cast<guint>(spec_.frame_retention_ms) * 1000u;
+    g_object_set(stream_.get(), "frame-retention", retention_us, "socket-buffer",
+                 spec_.socket_buffer_bytes > 0 ? ARV_GV_STREAM_SOCKET_BUFFER_FIXED
+                                               : ARV_GV_STREAM_SOCKET_BUFFER_AUTO,
+                 nullptr);
+    if (spec_.socket_buffer_bytes > 0)
+      g_object_set(stream_.get(), "socket-buffer-size", spec_.socket_buffer_bytes, nullptr);
+  }
+  // Where the stream is made a socket's worth of room lies between the buffers: a cache line.
+  const std::size_t stride = Arena::padded(payload_bytes_);
+  memory_.assign(stride * static_cast<std::size_t>(spec_.buffer_count), 0);
+  for (int i = 0; i < spec_.buffer_count; ++i) {
+    give_back(
+        arv_buffer_new(payload_bytes_, memory_.data() + stride * static_cast<std::size_t>(i)));
+  }
+}
+
+// To be filled again.
+void AravisCamera::give_back(ArvBuffer* buffer) {
+  // The memory is ours; Aravis names it by a pointer to const.
+  const void* data = arv_buffer_get_data(buffer, nullptr);
+  const std::ptrdiff_t offset = static_cast<const std::uint8_t*>(data) - memory_.data();
+  marks_.mark(std::span(memory_).subspan(static_cast<std::size_t>(offset), payload_bytes_));
+  arv_stream_push_buffer(stream_.get(), buffer);
+}
+
+void AravisCamera::stop() {
+  if (stream_) {
+    arv_camera_stop_acquisition(camera_.get(), nullptr);  // a dead sensor has stopped already
+    read_stream_counters();
+    stream_.reset();  // joins its thread and frees its buffers
+  }
+  chunks_.reset();
+  converter_.reset();
+  memory_ = {};
+  pool_ = nullptr;
+}
+
+ArvBuffer* AravisCamera::pop(TimePoint deadline) {
+  for (;;) {
+    const auto left = std::chrono::duration_cast<std::chrono::microseconds>(
+        deadline - std::chrono::steady_clock::now());
+    const std::int64_t wait_us = std::clamp<std::int64_t>(left.count(), 0, kWaitSlice_us);
+    ArvBuffer* buffer =
+        wait_us > 0 ? arv_stream_timeout_pop_buffer(stream_.get(), static_cast<guint64>(wait_us))
+                    : arv_stream_try_pop_buffer(stream_.get());
+    if (buffer != nullptr || wait_us < kWaitSlice_us) return buffer;
+    if (lost_.load(std::memory_order_relaxed)) return nullptr;
+  }
+}
+
+// Free run: what waits behind `buffer` is newer.
+ArvBuffer* AravisCamera::newest(ArvBuffer* buffer) {
+  while (ArvBuffer* newer = arv_stream_try_pop_buffer(stream_.get())) {
+    // A newer one that failed is no reason to lose a good one.
+    if (arv_buffer_get_status(newer) == ARV_BUFFER_STATUS_SUCCESS ||
+        arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS)
+      std::swap(buffer, newer);
+    count(arv_buffer_get_status(newer) == ARV_BUFFER_STATUS_SUCCESS ? DropReason::kSuperseded
+                                                                    : DropReason::kIncomplete);
+    give_back(newer);
+  }
+  return buffer;
+}
+
+Result<FrameRef> AravisCamera::wait_frame(TimePoint deadline) {
+  if (!stream_) return Error{ErrorCode::kSensorNotStarted, 0, "sensor"};
+  ArvBuffer* buffer = pop(deadline);
+  if (buffer == nullptr) {
+    read_stream_counters();
+    if (lost_.load(std::memory_order_relaxed)) return Error{ErrorCode::kSensorLost, 0, "sensor"};
+    return Error{ErrorCode::kSensorTimeout, 0, "sensor"};
+  }
+  if (spec_.trigger == TriggerSource::kFreeRun) buffer = newest(buffer);
+  Result<FrameRef> result = take(buffer);
+  give_back(buffer);
+  read_stream_counters();
+  return result;
+}
+
+Result<FrameRef> AravisCamera::take(ArvBuffer* buffer) {
+  DropReason reason = received_.read(buffer, payload_bytes_, rules_);
+  if (reason == DropReason::kNone && marks_.any_left(received_.bytes()))
+    reason = DropReason::kIncomplete;
+  if (reason == DropReason::kNone) reason = judge_order(buffer);
+  FrameRef ref;
+  if (reason == DropReason::kNone) {
+    ref = pool_->try_take();
+    reason = ref ? fill(buffer, ref) : DropReason::kPoolEmpty;
+  }
+  if (reason != DropReason::kNone) {
+    count(reason);
+    return Error{ErrorCode::kSensorFrameDropped, static_cast<long long>(reason),
+                 drop_reason_name(reason)};
+  }
+  frames_.fetch_add(1, std::memory_order_relaxed);
+  return ref;
+}
+
+// Newer than the frame before it and than the trigger that asked for it.
+DropReason AravisCamera::judge_order(ArvBuffer* buffer) {
+  const std::uint64_t id = arv_buffer_get_frame_id(buffer);
+  const bool wide = id > 0xFFFF || last_frame_id_ > 0xFFFF;
+  // Standard ids have 16 bits and wrap, leaving 0 out.
+  const std::int64_t step =
+      wide ? static_cast<std::int64_t>(id - last_frame_id_)
+           : static_cast<std::int16_t>(static_cast<std::uint16_t>(id - last_frame_id_));
+  if (any_frame_ && step <= 0) return DropReason::kStale;
+  if (any_frame_ && step > 1) {
+    const bool wrapped = !wide && id < last_frame_id_;
+    missed_.fetch_add(static_cast<std::uint64_t>(step - 1 - (wrapped ? 1 : 0)),
+                      std::memory_order_relaxed);
+  }
+  any_frame_ = true;
+  last_frame_id_ = id;
+  const auto begun_ns = static_cast<std::int64_t>(arv_buffer_get_system_timestamp(buffer));
+  if (trigger_wall_ns_ != 0 && begun_ns < trigger_wall_ns_) return DropReason::kStale;
+  return DropReason::kNone;
+}
+
+DropReason AravisCamera::fill(ArvBuffer* buffer, FrameRef& ref) {
+  Scan3d scan3d = scan3d_;
+  if (chunks_->enabled() && !chunks_->apply(buffer, scan3d)) return DropReason::kScan3d;
+  const DropReason reason = converter_->convert(received_.parts(), scan3d, ref.slot());
+  if (reason != DropReason::kNone) return reason;
+  Frame& frame = ref.slot().frame;
+  if (spec_.intrinsics) {
+    const int width = frame.camera.width, height = frame.camera.height;
+    frame.camera = *spec_.intrinsics;
+    frame.camera.width = width;
+    frame.camera.height = height;
+  }
+  // Aravis notes wall time when the frame's first packet comes; here it is put on the host's
+  // monotonic clock.
+  const std::int64_t age_ns =
+      g_get_real_time() * 1000 - static_cast<std::int64_t>(arv_buffer_get_system_timestamp(buffer));
+  frame.capture_ns = steady_ns() - std::max<std::int64_t>(0, age_ns);
+  frame.device_ns = static_cast<std::int64_t>(arv_buffer_get_timestamp(buffer));
+  frame.sequence = arv_buffer_get_frame_id(buffer);
+  return DropReason::kNone;
+}
+
+Error AravisCamera::trigger() {
+  if (!stream_) return {ErrorCode::kSensorNotStarted, 0, "sensor"};
+  if (spec_.trigger != TriggerSource::kSoftware) return {ErrorCode::kSensorRefused, 0, "trigger"};
+  if (lost_.load(std::memory_order_relaxed)) return {ErrorCode::kSensorLost, 0, "sensor"};
+  while (ArvBuffer* old = arv_stream_try_pop_buffer(stream_.get())) {
+    count(arv_buffer_get_status(old) == ARV_BUFFER_STATUS_SUCCESS ? DropReason::kStale
+                                                                  : DropReason::kIncomplete);
+    give_back(old);
+  }
+  trigger_wall_ns_ = g_get_real_time() * 1000;
+  CaughtError error;
+  arv_camera_software_trigger(camera_.get(), error.out());
+  if (error) return {ErrorCode::kSensorRefused, 0, "TriggerSoftware"};
+  return {};
+}
+
+void AravisCamera::read_stream_counters() {
+  if (!ARV_IS_GV_STREAM(stream_.get())) return;
+  guint64 resent = 0, missing = 0, underruns = 0;
+  arv_gv_stream_get_statistics(ARV_GV_STREAM(stream_.get()), &resent, &missing);
+  arv_stream_get_statistics(stream_.get(), nullptr, nullptr, &underruns);
+  // Of a multipart frame Aravis counts the requests only.
+  const guint64 requested = arv_stream_get_info_uint64_by_name(stream_.get(), "n_resend_requests");
+  resent_.store(std::max(resent, requested), std::memory_order_relaxed);
+  missing_.store(missing, std::memory_order_relaxed);
+  underruns_.store(underruns, std::memory_order_relaxed);
+}
+
+CameraCounters AravisCamera::counters() const {
+  CameraCounters c;
+  c.frames = frames_.load(std::memory_order_relaxed);
+  for (std::size_t i = 0; i < c.dropped.size(); ++i)
+    c.dropped[i] = dropped_[i].load(std::memory_order_relaxed);
+  c.frames_missed = missed_.load(std::memory_order_relaxed);
+  c.packets_resent = resent_.load(std::memory_order_relaxed);
+  c.packets_missing = missing_.load(std::memory_order_relaxed);
+  c.underruns = underruns_.load(std::memory_order_relaxed);
+  return c;
+}
+
+}  // namespace
+
+std::unique_ptr<Camera> open_aravis_camera(const CameraSpec& spec) {
+  return std::make_unique<AravisCamera>(spec);
+}
+
+}  // namespace binpick::drivers

@@ -1,0 +1,186 @@
+#include "genicam/payload_converter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "genicam/gray_rows.hpp"
+#include "genicam/point_grid.hpp"
+
+namespace binpick::drivers {
+namespace {
+
+const PayloadPart* find_part(std::span<const PayloadPart> parts, PartRole role) {
+  for (const PayloadPart& part : parts) {
+    if (part.role == role) return &part;
+  }
+  return nullptr;
+}
+
+bool is_depth_image(PixelFormat format) {
+  return is_coord3d(format) || format == PixelFormat::kMono16;
+}
+
+std::uint16_t load16(const std::uint8_t* bytes) {
+  std::uint16_t value;
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+std::size_t stride_of(const PayloadPart& part) {
+  return row_bytes(part.format, part.width) + part.x_padding_bytes;
+}
+
+// The bytes hold all rows; the last one needs no padding.
+bool bytes_suffice(const PayloadPart& part) {
+  const std::size_t row = row_bytes(part.format, part.width);
+  return row > 0 &&
+         part.bytes.size() >= stride_of(part) * static_cast<std::size_t>(part.height - 1) + row;
+}
+
+void depth_rows_16(const PayloadPart& part, const DepthTable& table, float* depth_mm) {
+  for (int y = 0; y < part.height; ++y) {
+    const std::uint8_t* row = part.bytes.data() + static_cast<std::size_t>(y) * stride_of(part);
+    for (int x = 0; x < part.width; ++x) *depth_mm++ = table.mm(load16(row + 2 * x));
+  }
+}
+
+float load32f(const std::uint8_t* bytes) {
+  float value;
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+void depth_rows_32f(const PayloadPart& part, const Scan3d& scan3d, float* depth_mm) {
+  const AxisInMm z(scan3d.c, scan3d.mm_per_unit);
+  for (int y = 0; y < part.height; ++y, depth_mm += part.width) {
+    const std::uint8_t* row = part.bytes.data() + static_cast<std::size_t>(y) * stride_of(part);
+    if (scan3d.kind == DepthKind::kZ) {
+      for (int x = 0; x < part.width; ++x) depth_mm[x] = z.depth_mm(load32f(row + 4 * x));
+    } else {
+      for (int x = 0; x < part.width; ++x) depth_mm[x] = depth_mm_of(scan3d, load32f(row + 4 * x));
+    }
+  }
+}
+
+}  // namespace
+
+PayloadConverter::PayloadConverter(const PayloadParams& params) : params_(params) {
+  const auto pixels = [](int width, int height) {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  };
+  gray_scratch_.resize(std::max(pixels(params.width_max, params.height_max),
+                                pixels(params.sensor_width, params.sensor_height)));
+  depth_scratch_.resize(pixels(params.width_max, params.height_max));
+}
+
+bool PayloadConverter::sensor_size(int width, int height) const {
+  const int factor = params_.sensor_width / std::max(1, width);
+  return params_.sensor_width == 0 || (factor >= 1 && width * factor == params_.sensor_width &&
+                                       height * factor == params_.sensor_height);
+}
+
+DropReason PayloadConverter::check(const PayloadPart& depth, const PayloadPart* intensity,
+                                   const PayloadPart* confidence) const {
+  if (!is_depth_image(depth.format)) return DropReason::kFormat;
+  if (intensity != nullptr && !is_gray_or_colour(intensity->format)) return DropReason::kFormat;
+  if (confidence != nullptr && !is_confidence(confidence->format)) return DropReason::kFormat;
+  for (const PayloadPart* part : {&depth, intensity, confidence}) {
+    if (part == nullptr) continue;
+    if (part->width <= 0 || part->height <= 0) return DropReason::kSize;
+    // Before any product of sizes: what comes from the wire may be anything.
+    if (part->width > 65535 || part->height > 65535) return DropReason::kSize;
+    if (!sensor_size(part->width, part->height)) return DropReason::kSize;
+    if (!bytes_suffice(*part)) return DropReason::kPartBounds;
+  }
+  if (depth.width > params_.width_max || depth.height > params_.height_max)
+    return DropReason::kSize;
+  if (confidence != nullptr &&
+      (confidence->width != depth.width || confidence->height != depth.height))
+    return DropReason::kSize;
+  if (intensity != nullptr) {
+    const int factor = intensity->width / depth.width;
+    if (factor < 1 || depth.width * factor != intensity->width ||
+        depth.height * factor != intensity->height)
+      return DropReason::kSize;
+    if (static_cast<std::size_t>(intensity->width) * static_cast<std::size_t>(intensity->height) >
+        gray_scratch_.size())
+      return DropReason::kSize;
+  }
+  return DropReason::kNone;
+}
+
+DropReason PayloadConverter::convert(std::span<const PayloadPart> parts, const Scan3d& scan3d,
+                                     FrameSlot& slot) {
+  const PayloadPart* depth = find_part(parts, PartRole::kDepth);
+  const PayloadPart* intensity = find_part(parts, PartRole::kIntensity);
+  const PayloadPart* confidence = find_part(parts, PartRole::kConfidence);
+  if (depth == nullptr) return DropReason::kNoDepth;
+  if (const DropReason reason = check(*depth, intensity, confidence); reason != DropReason::kNone)
+    return reason;
+  if (scan3d.kind == DepthKind::kDisparity && is_coord3d_abc(depth->format))
+    return DropReason::kFormat;
+
+  const int width = depth->width, height = depth->height;
+  if (intensity != nullptr) {
+    convert_intensity(*intensity, width, height, slot.intensity.data());
+  } else if (depth->format == PixelFormat::kCoord3dAbcy16) {
+    grid_gray(*depth, slot.intensity.data());
+  }
+  const bool with_intensity = intensity != nullptr || depth->format == PixelFormat::kCoord3dAbcy16;
+  const bool grid = is_coord3d_abc(depth->format);
+  bool on_rays = true;
+  float* depth_mm = slot.depth_mm.data();
+  if (grid) {
+    on_rays = grid_depth(*depth, scan3d, depth_mm);
+  } else if (depth->format == PixelFormat::kCoord3dC32f) {
+    depth_rows_32f(*depth, scan3d, depth_mm);
+  } else {
+    table_.update(scan3d);
+    depth_rows_16(*depth, table_, depth_mm);
+  }
+  if (confidence != nullptr) drop_unsure(*confidence, depth_mm);
+  if (!on_rays) project_points(*depth, scan3d, with_intensity, slot);
+
+  slot.frame.depth_mm = {depth_mm, width, height, width};
+  if (with_intensity) slot.frame.intensity = {slot.intensity.data(), width, height, width};
+  slot.frame.camera = scan3d.camera(width, height);
+  return DropReason::kNone;
+}
+
+void PayloadConverter::convert_intensity(const PayloadPart& part, int width, int height,
+                                         std::uint8_t* gray) {
+  const int factor = part.width / width;
+  std::uint8_t* full = factor == 1 ? gray : gray_scratch_.data();
+  for (int y = 0; y < part.height; ++y) {
+    gray_row(part.format, part.bytes.data() + static_cast<std::size_t>(y) * stride_of(part),
+             part.width, full + static_cast<std::ptrdiff_t>(y) * part.width);
+  }
+  if (factor > 1) reduce_gray(full, width * factor, height * factor, factor, gray);
+}
+
+void PayloadConverter::project_points(const PayloadPart& part, const Scan3d& scan3d,
+                                      bool with_intensity, FrameSlot& slot) {
+  const std::size_t count =
+      static_cast<std::size_t>(part.width) * static_cast<std::size_t>(part.height);
+  std::copy_n(slot.depth_mm.data(), count, depth_scratch_.data());
+  if (with_intensity) std::copy_n(slot.intensity.data(), count, gray_scratch_.data());
+  project_grid(part, scan3d, depth_scratch_.data(), with_intensity ? gray_scratch_.data() : nullptr,
+               slot.depth_mm.data(), slot.intensity.data());
+}
+
+void PayloadConverter::drop_unsure(const PayloadPart& part, float* depth_mm) const {
+  const bool wide = part.format == PixelFormat::kConfidence16;
+  const double full = wide ? 65535 : 255;
+  const unsigned least =
+      std::max(1u, static_cast<unsigned>(std::ceil(params_.confidence_min * full)));
+  for (int y = 0; y < part.height; ++y) {
+    const std::uint8_t* row = part.bytes.data() + static_cast<std::size_t>(y) * stride_of(part);
+    for (int x = 0; x < part.width; ++x, ++depth_mm) {
+      const unsigned confidence = wide ? load16(row + 2 * x) : row[x];
+      *depth_mm = confidence >= least ? *depth_mm : 0.0f;
+    }
+  }
+}
+
+}  // namespace binpick::drivers

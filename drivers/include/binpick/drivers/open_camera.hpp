@@ -1,0 +1,14 @@
+// The one place that knows which kinds of cameras there are.
+#pragma once
+
+#include <memory>
+
+#include "binpick/drivers/camera.hpp"
+#include "binpick/drivers/camera_spec.hpp"
+
+namespace binpick::drivers {
+
+// Opens what the spec's URI names, without starting it. Throws SensorError that names the URI.
+std::unique_ptr<Camera> open_camera(const CameraSpec& spec);
+
+}  // namespace binpick::drivers
