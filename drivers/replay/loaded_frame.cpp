@@ -34,6 +34,13 @@ CameraIntrinsics intrinsics_from_json(const JsonNode& node) {
   return c;
 }
 
+std::int64_t time_from_json(const JsonNode& node) {
+  const double ns = node.number();
+  // As exact as a double is: microseconds after a hundred days.
+  if (ns < 0 || ns > 9e18) node.fail("is not a time in ns");
+  return static_cast<std::int64_t>(ns);
+}
+
 std::string size_text(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
@@ -53,6 +60,8 @@ FrameCamera camera_from_json(const JsonNode& node) {
     camera.roi = {v[0].integer(), v[1].integer(), v[2].integer(), v[3].integer()};
     if (camera.roi.whole_image()) roi->fail("its width and height are not positive");
   }
+  if (const auto time = node.find("capture_ns")) camera.capture_ns = time_from_json(*time);
+  if (const auto time = node.find("device_ns")) camera.device_ns = time_from_json(*time);
   return camera;
 }
 

@@ -1,0 +1,221 @@
+#include "replay/replay_camera.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "binpick/drivers/bop_dataset.hpp"
+
+namespace binpick::drivers {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Decoded frames that wait: enough for a decoder that is interrupted now and then.
+constexpr std::size_t kAheadMax = 3;
+// Where the recording has no times.
+constexpr double kFrameRate_hz = 10;
+
+struct DecodedFrame {
+  std::optional<LoadedFrame> loaded;  // nothing: the file cannot be read
+  std::int64_t device_ns = 0;
+  std::uint64_t sequence = 0;  // from 1, over all rounds
+};
+
+std::int64_t steady_ns() {
+  return std::chrono::nanoseconds(Clock::now().time_since_epoch()).count();
+}
+
+class ReplayCamera final : public Camera {
+ public:
+  explicit ReplayCamera(const CameraSpec& spec)
+      : spec_(spec), data_(spec.uri.substr(spec.uri.find(':') + 1), spec.split) {
+    for (const int scene_id : data_.scene_ids()) {
+      scenes_.push_back(data_.scene(scene_id));
+      for (const auto& [im_id, camera] : scenes_.back().frames)
+        frames_.push_back({scenes_.size() - 1, im_id});
+    }
+    if (frames_.empty()) throw SensorError(spec.uri + ": holds no frame");
+  }
+  ~ReplayCamera() override { ReplayCamera::stop(); }
+
+  void start(FramePool& pool) override;
+  Result<FrameRef> wait_frame(TimePoint deadline) override;
+  Error trigger() override;
+  void stop() override;
+  CameraCounters counters() const override;
+
+ private:
+  struct Place {
+    std::size_t scene;
+    int im_id;
+  };
+  void read_ahead();
+  DecodedFrame decode(std::uint64_t index) const;
+  std::int64_t due_after_ns(std::uint64_t index) const;
+  Result<FrameRef> hand_on(const DecodedFrame& decoded);
+  Error drop(DropReason reason);
+
+  CameraSpec spec_;
+  BopDataset data_;
+  std::vector<BopScene> scenes_;
+  std::vector<Place> frames_;
+
+  FramePool* pool_ = nullptr;
+  TimePoint begun_;
+  int triggers_ = 0;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<DecodedFrame> ahead_;
+  bool end_ = false, read_all_ = false;
+  CameraCounters counters_;
+  std::thread reader_;
+};
+
+void ReplayCamera::start(FramePool& pool) {
+  stop();
+  pool_ = &pool;
+  end_ = read_all_ = false;
+  triggers_ = 0;
+  counters_ = {};
+  begun_ = Clock::now();
+  reader_ = std::thread([this] { read_ahead(); });
+}
+
+void ReplayCamera::stop() {
+  if (!reader_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    end_ = true;
+  }
+  changed_.notify_all();
+  reader_.join();
+  ahead_.clear();
+  pool_ = nullptr;
+}
+
+DecodedFrame ReplayCamera::decode(std::uint64_t index) const {
+  const Place place = frames_[index % frames_.size()];
+  const BopScene& scene = scenes_[place.scene];
+  DecodedFrame decoded;
+  decoded.sequence = index + 1;
+  decoded.device_ns = scene.frames.at(place.im_id).device_ns;
+  try {
+    decoded.loaded = data_.load_frame(scene, place.im_id);
+  } catch (const DatasetError&) {
+    // Counted when its turn comes: one damaged file is no reason to end a replay.
+  }
+  return decoded;
+}
+
+void ReplayCamera::read_ahead() {
+  for (std::uint64_t index = 0; spec_.loop || index < frames_.size(); ++index) {
+    DecodedFrame decoded = decode(index);
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return end_ || ahead_.size() < kAheadMax; });
+    if (end_) return;
+    ahead_.push_back(std::move(decoded));
+    changed_.notify_all();
+  }
+  const std::lock_guard lock(mutex_);
+  read_all_ = true;
+  changed_.notify_all();
+}
+
+// From the start of the replay; the recording's own times where each frame has one.
+std::int64_t ReplayCamera::due_after_ns(std::uint64_t index) const {
+  const auto time_of = [&](std::size_t i) {
+    return scenes_[frames_[i].scene].frames.at(frames_[i].im_id).capture_ns;
+  };
+  const double rate_hz = spec_.frame_rate_hz.value_or(kFrameRate_hz);
+  const auto period_ns = static_cast<std::int64_t>(1e9 / rate_hz);
+  const std::int64_t first = time_of(0), last = time_of(frames_.size() - 1);
+  const std::size_t at = index % frames_.size();
+  if (spec_.frame_rate_hz || first == 0 || last < first || time_of(at) < first)
+    return static_cast<std::int64_t>(index) * period_ns;
+  const auto round = static_cast<std::int64_t>(index / frames_.size());
+  return round * (last - first + period_ns) + time_of(at) - first;
+}
+
+Error ReplayCamera::drop(DropReason reason) {
+  const std::lock_guard lock(mutex_);
+  ++counters_.dropped[static_cast<std::size_t>(reason)];
+  return {ErrorCode::kSensorFrameDropped, static_cast<long long>(reason), drop_reason_name(reason)};
+}
+
+Result<FrameRef> ReplayCamera::wait_frame(TimePoint deadline) {
+  if (pool_ == nullptr) return Error{ErrorCode::kSensorNotStarted, 0, "recording"};
+  if (spec_.trigger == TriggerSource::kSoftware && triggers_ == 0) {
+    std::this_thread::sleep_until(deadline);
+    return Error{ErrorCode::kSensorTimeout, 0, "recording"};
+  }
+  DecodedFrame decoded;
+  {
+    std::unique_lock lock(mutex_);
+    if (!changed_.wait_until(lock, deadline, [&] { return !ahead_.empty() || read_all_; }))
+      return Error{ErrorCode::kSensorTimeout, 0, "recording"};
+    if (ahead_.empty()) return Error{ErrorCode::kSensorEnd, 0, "recording"};
+    if (spec_.trigger != TriggerSource::kSoftware && spec_.paced) {
+      const TimePoint due =
+          begun_ + std::chrono::nanoseconds(due_after_ns(ahead_.front().sequence - 1));
+      const bool in_time = due <= deadline;
+      lock.unlock();
+      std::this_thread::sleep_until(in_time ? due : deadline);
+      if (!in_time) return Error{ErrorCode::kSensorTimeout, 0, "recording"};
+      lock.lock();
+    }
+    decoded = std::move(ahead_.front());
+    ahead_.pop_front();
+  }
+  changed_.notify_all();
+  triggers_ = 0;
+  return hand_on(decoded);
+}
+
+Result<FrameRef> ReplayCamera::hand_on(const DecodedFrame& decoded) {
+  if (!decoded.loaded) return drop(DropReason::kIncomplete);
+  const Frame view = decoded.loaded->view();
+  if (!pool_->fits(view.camera.width, view.camera.height)) return drop(DropReason::kSize);
+  FrameRef ref = pool_->try_take();
+  if (!ref) return drop(DropReason::kPoolEmpty);
+  FrameSlot& slot = ref.slot();
+  std::copy(decoded.loaded->depth_mm.begin(), decoded.loaded->depth_mm.end(),
+            slot.depth_mm.begin());
+  std::copy(decoded.loaded->intensity.begin(), decoded.loaded->intensity.end(),
+            slot.intensity.begin());
+  slot.frame = view;
+  slot.frame.depth_mm.data = slot.depth_mm.data();
+  if (!view.intensity.empty()) slot.frame.intensity.data = slot.intensity.data();
+  slot.frame.capture_ns = steady_ns();
+  slot.frame.device_ns = decoded.device_ns;
+  slot.frame.sequence = decoded.sequence;
+  const std::lock_guard lock(mutex_);
+  ++counters_.frames;
+  return ref;
+}
+
+Error ReplayCamera::trigger() {
+  if (pool_ == nullptr) return {ErrorCode::kSensorNotStarted, 0, "recording"};
+  if (spec_.trigger != TriggerSource::kSoftware) return {ErrorCode::kSensorRefused, 0, "trigger"};
+  triggers_ = 1;
+  return {};
+}
+
+CameraCounters ReplayCamera::counters() const {
+  const std::lock_guard lock(mutex_);
+  return counters_;
+}
+
+}  // namespace
+
+std::unique_ptr<Camera> open_replay_camera(const CameraSpec& spec) {
+  return std::make_unique<ReplayCamera>(spec);
+}
+
+}  // namespace binpick::drivers
