@@ -6,6 +6,7 @@
 #include <new>
 #include <string>
 
+#include "binpick/drivers/camera.hpp"
 #include "binpick/drivers/loaded_frame.hpp"
 #include "binpick/train/errors.hpp"
 #include "cli/commands.hpp"
@@ -36,6 +37,10 @@ int run(int argc, char** argv) {
   add_info_command(app, exit_status);
   add_eval_command(app, exit_status);
   add_score_command(app, exit_status);
+  add_trigger_command(app, exit_status);
+  add_sensors_command(app, exit_status);
+  add_sensor_info_command(app, exit_status);
+  add_capture_command(app, exit_status);
   // CLI11 would only say that a command is missing.
   const auto is_first_word = [&](const CLI::App* command) {
     return command->get_name() == argv[1];
@@ -64,6 +69,8 @@ int main(int argc, char** argv) {
     return app::report(app::kCannotStart, e.what());
   } catch (const drivers::DatasetError& e) {
     return app::report(app::kCannotStart, e.what());
+  } catch (const drivers::SensorError& e) {
+    return app::report(app::kFailure, e.what());  // it may be there the next time
   } catch (const train::ImportError& e) {
     return app::report(app::kCannotStart, e.what());
   } catch (const std::bad_alloc&) {

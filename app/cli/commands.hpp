@@ -14,5 +14,9 @@ void add_info_command(CLI::App& app, int& exit_status);
 void add_detect_command(CLI::App& app, int& exit_status);
 void add_eval_command(CLI::App& app, int& exit_status);
 void add_score_command(CLI::App& app, int& exit_status);
+void add_trigger_command(CLI::App& app, int& exit_status);
+void add_sensors_command(CLI::App& app, int& exit_status);
+void add_sensor_info_command(CLI::App& app, int& exit_status);
+void add_capture_command(CLI::App& app, int& exit_status);
 
 }  // namespace binpick::app

@@ -34,6 +34,7 @@ struct RecordedFile {
   std::string text;
 };
 struct RecordedModel {
+  int recipe = 0;  // which of the recipe files, from 1, looks for it
   std::string path;
   std::uint64_t hash = 0;
 };

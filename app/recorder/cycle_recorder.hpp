@@ -13,17 +13,12 @@
 #include <string>
 #include <thread>
 
+#include "recorder/record_mode.hpp"
 #include "recorder/record_ring.hpp"
 #include "recorder/recording_shelf.hpp"
 #include "recorder/recording_writer.hpp"
 
 namespace binpick::app {
-
-enum class RecordMode : int {
-  kOnCommand = 0,  // what is in memory when write_kept() is called
-  kOnFault,        // and what is in memory when a cycle fails
-  kAlways,         // every cycle
-};
 
 struct CycleRecorderParams {
   RecordingShelfParams shelf;

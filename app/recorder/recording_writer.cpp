@@ -106,7 +106,8 @@ bool RecordingWriter::write_head(const RecordedConfiguration& configuration) {
   line_.add_json_string(configuration.program);
   line_.add(",\n \"models\": [");
   for (const RecordedModel& model : configuration.models) {
-    line_.add(&model == configuration.models.data() ? "\n  {\"path\": " : ",\n  {\"path\": ");
+    line_.add(&model == configuration.models.data() ? "\n  " : ",\n  ");
+    line_.print("{\"recipe\": %d, \"path\": ", model.recipe);
     line_.add_json_string(model.path);
     line_.print(", \"hash\": \"%016" PRIx64 "\"}", model.hash);
   }

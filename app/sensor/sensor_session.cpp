@@ -279,6 +279,11 @@ bool SensorSession::wait_ready(TimePoint deadline) {
   return status_.state == SessionState::kReady;
 }
 
+SessionState SensorSession::state() const {
+  const std::lock_guard lock(mutex_);
+  return status_.state;
+}
+
 SessionStatus SensorSession::status() const {
   const std::lock_guard lock(mutex_);
   SessionStatus status = status_;

@@ -63,6 +63,7 @@ class SensorSession {
   // False when the sensor is not ready by then.
   bool wait_ready(TimePoint deadline);
   SessionStatus status() const;
+  SessionState state() const;  // of status(), without allocation
 
  private:
   void work();

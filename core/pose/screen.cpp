@@ -21,13 +21,14 @@ constexpr double kSameRotation = 5 * std::numbers::pi / 180;
 constexpr double kSamePositionShare = 0.03;  // of the diameter
 
 // Share of the visible surface, as far as it is measured and not hidden, at which the measured one
-// lies.
+// lies and faces the same way: fully up to 37 degrees apart, not at all from 90.
 double surface_support(const ObjectModel& model, const Scene& scene, const Pose& T) {
   const auto surface = model.surface(nearest_viewpoint(model, T));
   const std::size_t step = surface.size() / kSamplesMax + 1;
   const double tolerance_mm =
       kLeafErrorShare * model.info().diameter_mm + 2 * scene.depth_error_mm(T.t_mm.z());
-  int samples = 0, seen = 0, supported = 0;
+  int samples = 0, seen = 0;
+  double supported = 0;
   for (std::size_t i = 0; i < surface.size(); i += step) {
     ++samples;
     const Vec3 p = T * position_of(surface[i]);
@@ -37,7 +38,8 @@ double surface_support(const ObjectModel& model, const Scene& scene, const Pose&
     const double r = n.dot(scene.depth.camera.unproject(u, v, z) - p);
     if (z < p.z() && r > tolerance_mm) continue;  // hidden
     ++seen;
-    supported += std::abs(r) <= tolerance_mm;
+    if (std::abs(r) > tolerance_mm) continue;
+    supported += std::clamp(1.25 * normal_agreement(scene, u, v, p, n), 0.0, 1.0);
   }
   return supported / std::max<double>(seen, kSeenEnough * samples);
 }

@@ -26,17 +26,6 @@ Tolerances tolerances(const ObjectModel& model, const Scene& scene, const Pose& 
   return {fit, 3 * fit + 2 * noise};
 }
 
-// Cosine between a model normal (camera axes) and the measured one at a pixel; 1 where none was
-// measured.
-double normal_agreement(const Scene& scene, int u, int v, const Vec3& p, const Vec3& n_cam) {
-  const std::ptrdiff_t i = v * scene.depth.stride + u;
-  if (!scene.depth.normal_valid[i]) return 1;
-  const double x = static_cast<double>(scene.depth.normal_x[i]),
-               y = static_cast<double>(scene.depth.normal_y[i]);
-  const Vec3 n_ray(x, y, -std::sqrt(std::max(0.0, 1 - x * x - y * y)));
-  return n_cam.dot(rotation_between(Vec3::UnitZ(), p.normalized()) * n_ray);
-}
-
 void add_surface(const ObjectModel& model, const Scene& scene, const Pose& T, const Viewpoint& view,
                  Evidence& e) {
   const Tolerances tolerance = tolerances(model, scene, T);
@@ -103,6 +92,15 @@ void add_contours(const ObjectModel& model, const Scene& scene, const Pose& T,
 }
 
 }  // namespace
+
+double normal_agreement(const Scene& scene, int u, int v, const Vec3& p, const Vec3& n_cam) {
+  const std::ptrdiff_t i = v * scene.depth.stride + u;
+  if (!scene.depth.normal_valid[i]) return 1;
+  const double x = static_cast<double>(scene.depth.normal_x[i]),
+               y = static_cast<double>(scene.depth.normal_y[i]);
+  const Vec3 n_ray(x, y, -std::sqrt(std::max(0.0, 1 - x * x - y * y)));
+  return n_cam.dot(rotation_between(Vec3::UnitZ(), p.normalized()) * n_ray);
+}
 
 double Evidence::score() const {
   const double seen = std::min(1.0, measured_fraction() / kMeasuredEnough);

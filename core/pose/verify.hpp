@@ -38,6 +38,10 @@ struct Evidence {
   double explained_mm2() const;
 };
 
+// Cosine between a model normal (camera axes) at a point and the normal measured at a pixel; 1
+// where none was measured.
+double normal_agreement(const Scene& scene, int u, int v, const Vec3& point_cam, const Vec3& n_cam);
+
 Evidence verify(const ObjectModel& model, const Scene& scene, const Pose& T_cam_centre);
 
 }  // namespace binpick

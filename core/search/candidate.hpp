@@ -16,6 +16,7 @@ struct Candidate {
   std::uint8_t model = 0;
   std::uint8_t level = 0;       // pyramid level
   std::uint8_t best_pixel = 0;  // which of the quad, row by row
+  std::uint8_t origin = 0;      // viewpoint at which the scan found it
 
   // A total order, so that results never depend on how the work was split: better score first.
   friend bool operator<(const Candidate& a, const Candidate& b) {

@@ -102,23 +102,25 @@ DescendCounts descend(const DescendContext& context, int depth, std::span<const 
   return {matched, ended};
 }
 
-int select_candidates(std::span<Candidate> candidates, int limit, int per_place, int place_px,
-                      const Roi& region, std::span<std::uint16_t> places, int& dropped) {
+int select_candidates(std::span<Candidate> candidates, const SelectLimits& limits, int place_px,
+                      const Roi& region, std::span<PlaceCount> places, int& dropped) {
   std::sort(candidates.begin(), candidates.end());
   const int columns = region.width / place_px + 1, rows = region.height / place_px + 1;
   BINPICK_ASSERT(places.size() >=
                  static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-  std::fill_n(places.begin(), columns * rows, std::uint16_t{0});
+  std::fill_n(places.begin(), columns * rows, PlaceCount{});
   int kept = 0;
   for (const Candidate& c : candidates) {
     if (c.score == 0) break;
     const int column = (c.x << c.level) / place_px, row = (c.y << c.level) / place_px;
-    std::uint16_t& held = places[static_cast<std::size_t>(row * columns + column)];
-    if (kept == limit || held == per_place) {
+    PlaceCount& place = places[static_cast<std::size_t>(row * columns + column)];
+    std::uint8_t& of_origin = place.of_origin[c.origin % kOriginsMax];
+    if (kept == limits.all || place.all == limits.per_place || of_origin == limits.per_origin) {
       ++dropped;
       continue;
     }
-    ++held;
+    ++place.all;
+    ++of_origin;
     candidates[static_cast<std::size_t>(kept++)] = c;
   }
   return kept;

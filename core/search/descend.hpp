@@ -36,11 +36,24 @@ struct DescendCounts {
 DescendCounts descend(const DescendContext& context, int depth, std::span<const Candidate> parents,
                       std::span<Candidate> children, WorkerPool& pool);
 
-// Sorts candidates best first and keeps at most `limit` of them, and at most `per_place` in each
-// square of `place_px` pixels (of level 0) per model, so that a few well-visible parts do not take
-// the room of the others. `places` is scratch, one counter per square. Unused entries (score 0) go.
-// Returns the number kept.
-int select_candidates(std::span<Candidate> candidates, int limit, int per_place, int place_px,
-                      const Roi& region, std::span<std::uint16_t> places, int& dropped);
+// How many candidates go on from a depth: in all, in each square of some pixels, and there from
+// each viewpoint of the scan.
+struct SelectLimits {
+  int all, per_place, per_origin;
+};
+
+// Viewpoints of the deepest scan.
+inline constexpr int kOriginsMax = 42;
+struct PlaceCount {
+  std::uint16_t all = 0;
+  std::uint8_t of_origin[kOriginsMax] = {};
+};
+
+// Sorts candidates best first and keeps them within the limits, so that neither a few well-visible
+// parts nor a plain side that fits nearly anything takes the room of the others. A place is a
+// square of `place_px` pixels of level 0; `places` is scratch, one count for each. Unused entries
+// (score 0) go. Returns the number kept.
+int select_candidates(std::span<Candidate> candidates, const SelectLimits& limits, int place_px,
+                      const Roi& region, std::span<PlaceCount> places, int& dropped);
 
 }  // namespace binpick

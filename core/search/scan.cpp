@@ -24,7 +24,8 @@ Scanner::Buffers Scanner::take(const ScanLimits& limits, Source& source) {
   b.templates = source.template take<Template>(static_cast<std::size_t>(limits.templates_max));
   b.features =
       source.template take<simd::ScanFeature>(static_cast<std::size_t>(limits.features_max));
-  b.cells = source.template take<CellEntry>(cells * kTemplatesPerCell);
+  b.cells = source.template take<CellEntry>(cells * kViewpointsPerCell);
+  b.best_rolls = source.template take<CellEntry>(rows / 4);
   b.sums = source.template take<std::uint16_t>(rows);
   b.scores = source.template take<std::uint16_t>(rows);
   return b;
@@ -63,7 +64,7 @@ void Scanner::load_templates(const ObjectModel& model, int distance_index, const
 
 void Scanner::insert(CellEntry* cell, CellEntry entry) const {
   // Best first; of equal scores the earlier template stays ahead.
-  int at = kTemplatesPerCell - 1;
+  int at = kViewpointsPerCell - 1;
   while (at > 0 && cell[at - 1].score < entry.score) {
     cell[at] = cell[at - 1];
     --at;
@@ -91,30 +92,40 @@ void Scanner::scan_cell_row(int cell_y, CellSpan span, const PyramidLevel& level
   std::uint16_t* scores =
       buffers_.scores.data() + static_cast<std::ptrdiff_t>(thread) * 2 * row_stride_;
   CellEntry* row =
-      buffers_.cells.data() + static_cast<std::ptrdiff_t>(cell_y) * columns_ * kTemplatesPerCell;
-  std::fill_n(row, columns_ * kTemplatesPerCell,
-              CellEntry{static_cast<std::uint16_t>(threshold - 1), 0, 0});
+      buffers_.cells.data() + static_cast<std::ptrdiff_t>(cell_y) * columns_ * kViewpointsPerCell;
+  const CellEntry none{static_cast<std::uint16_t>(threshold - 1), 0, 0};
+  std::fill_n(row, columns_ * kViewpointsPerCell, none);
   if (span.first >= span.end) return;
-  const int x_first = 2 * span.first, width = 2 * (span.end - span.first);
+  const int x_first = 2 * span.first, count = span.end - span.first;
+  CellEntry* rolls =
+      buffers_.best_rolls.data() + static_cast<std::ptrdiff_t>(thread) * (row_stride_ / 2);
+  std::fill_n(rolls, count, none);
   for (int t = 0; t < template_count_; ++t) {
     const Template& tpl = buffers_.templates[static_cast<std::size_t>(t)];
     for (int j = 0; j < 2; ++j) {
-      kernels.scan_row(level.plain, (2 * cell_y + j) * level.plain.stride + x_first, width,
+      kernels.scan_row(level.plain, (2 * cell_y + j) * level.plain.stride + x_first, 2 * count,
                        &buffers_.features[static_cast<std::size_t>(tpl.first)], tpl.count, gradient,
                        normal);
       std::uint16_t* out = scores + j * row_stride_;
       const ScoreScale scale = tpl.scale;
-      for (int x = 0; x < width; ++x) out[x] = scale.score(gradient[x], normal[x]);
+      for (int x = 0; x < 2 * count; ++x) out[x] = scale.score(gradient[x], normal[x]);
     }
-    for (int c = span.first; c < span.end; ++c) {
-      const std::uint16_t* upper = scores + 2 * (c - span.first);
+    for (int c = 0; c < count; ++c) {
+      const std::uint16_t* upper = scores + 2 * c;
       const std::uint16_t* lower = upper + row_stride_;
       const std::uint16_t quad[4] = {upper[0], upper[1], lower[0], lower[1]};
       const int best = static_cast<int>(std::max_element(quad, quad + 4) - quad);
-      CellEntry* cell = row + c * kTemplatesPerCell;
-      if (quad[best] > cell[kTemplatesPerCell - 1].score) {
-        insert(cell, {quad[best], static_cast<std::uint16_t>(t), static_cast<std::uint8_t>(best)});
-      }
+      if (quad[best] > rolls[c].score)
+        rolls[c] = {quad[best], static_cast<std::uint16_t>(t), static_cast<std::uint8_t>(best)};
+    }
+    const bool last_roll =
+        t + 1 == template_count_ ||
+        buffers_.templates[static_cast<std::size_t>(t) + 1].viewpoint != tpl.viewpoint;
+    if (!last_roll) continue;
+    for (int c = 0; c < count; ++c) {
+      CellEntry* cell = row + (span.first + c) * kViewpointsPerCell;
+      if (rolls[c].score > cell[kViewpointsPerCell - 1].score) insert(cell, rolls[c]);
+      rolls[c] = none;
     }
   }
 }
@@ -137,8 +148,8 @@ int Scanner::scan(const ObjectModel& model, int model_index, int distance_index,
   for (int i = 0; i < rows * columns_; ++i) {
     const int x = 2 * (i % columns_), y = 2 * (i / columns_);
     if (!gate.allows(level, x, y, model.info().scan_depth, distance_index)) continue;
-    for (int k = 0; k < kTemplatesPerCell; ++k) {
-      const CellEntry& e = buffers_.cells[static_cast<std::size_t>(i * kTemplatesPerCell + k)];
+    for (int k = 0; k < kViewpointsPerCell; ++k) {
+      const CellEntry& e = buffers_.cells[static_cast<std::size_t>(i * kViewpointsPerCell + k)];
       if (e.score < threshold) break;
       if (count == out.size()) {
         ++lost;
@@ -149,6 +160,7 @@ int Scanner::scan(const ObjectModel& model, int model_index, int distance_index,
       c.x = static_cast<std::int16_t>(x);
       c.y = static_cast<std::int16_t>(y);
       c.viewpoint = t.viewpoint;
+      c.origin = static_cast<std::uint8_t>(t.viewpoint);
       c.roll = t.roll;
       c.distance = static_cast<std::int16_t>(distance_index);
       c.score = e.score;

@@ -1,5 +1,5 @@
 // Exhaustive scan of the templates of one tree depth over one pyramid level (paper section III-D).
-// Keeps the best templates of each cell of 2x2 pixels.
+// Keeps the best viewpoints of each cell of 2x2 pixels.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,10 @@
 
 namespace binpick {
 
-inline constexpr int kTemplatesPerCell = 12;
+// Candidates of a cell, each the best roll of another viewpoint: the many rolls of a plain side,
+// which fits nearly anything, must leave room for the viewpoint that is right. That one is rarely
+// the best, but nearly always among the best ten.
+inline constexpr int kViewpointsPerCell = 12;
 
 struct ScanLimits {
   int templates_max = 0;              // of one model and distance at its scan depth
@@ -50,7 +53,8 @@ class Scanner {
   struct Buffers {
     std::span<Template> templates;
     std::span<simd::ScanFeature> features;
-    std::span<CellEntry> cells;       // kTemplatesPerCell a cell, best first
+    std::span<CellEntry> cells;       // kViewpointsPerCell a cell, best first
+    std::span<CellEntry> best_rolls;  // per thread: of one viewpoint, one a cell of a row
     std::span<std::uint16_t> sums;    // per thread: gradient, normal
     std::span<std::uint16_t> scores;  // per thread: two rows
   };

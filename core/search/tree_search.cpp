@@ -29,7 +29,7 @@ TreeSearch::Buffers TreeSearch::take(const SearchLimits& limits, const SearchPar
   Buffers b;
   b.candidates = source.template take<Candidate>(kScanOutputMax);
   b.children = source.template take<Candidate>(parents_max * kChildrenKept);
-  b.places = source.template take<std::uint16_t>(
+  b.places = source.template take<PlaceCount>(
       static_cast<std::size_t>(limits.region_width_max / kPlacePxMin + 1) *
       static_cast<std::size_t>(limits.region_height_max / kPlacePxMin + 1));
   return b;
@@ -51,6 +51,10 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
   const int scan_depth = model.info().scan_depth;
   const int threshold = static_cast<int>(params_.score_min * kScoreOne);
   const int place = place_px(model, context.pyramid.level(0).camera);
+  const auto limits_at = [&](int step) {
+    return SelectLimits{params_.candidates_max[step], params_.per_place_max[step],
+                        params_.per_origin_max[step]};
+  };
   int& below_limit = report.dropped[static_cast<int>(DropReason::kLevelLimit)];
 
   const Stopwatch scan_watch(context.clock);
@@ -66,9 +70,9 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
         static_cast<std::int64_t>(model.depth(scan_depth).templates.size()) * level.width *
         level.height / 16;
   }
-  count = select_candidates(buffers_.candidates.first(static_cast<std::size_t>(count)),
-                            params_.candidates_max[0], params_.per_place_max[0], place,
-                            context.pyramid.region(), buffers_.places, below_limit);
+  count =
+      select_candidates(buffers_.candidates.first(static_cast<std::size_t>(count)), limits_at(0),
+                        place, context.pyramid.region(), buffers_.places, below_limit);
   report.candidates[static_cast<std::size_t>(scan_depth)] += count;
   const double scan_ms = scan_watch.elapsed_ms();
   report.level_ms[static_cast<std::size_t>(scan_depth)] += scan_ms;
@@ -88,10 +92,8 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
     report.dropped[static_cast<int>(DropReason::kBelowMatchThreshold)] += counts.parents_ended;
     report.level_ms[static_cast<std::size_t>(d)] += watch.elapsed_ms();
     std::copy(children.begin(), children.end(), buffers_.candidates.begin());
-    count = select_candidates(buffers_.candidates.first(children.size()),
-                              params_.candidates_max[d - scan_depth],
-                              params_.per_place_max[d - scan_depth], place,
-                              context.pyramid.region(), buffers_.places, below_limit);
+    count = select_candidates(buffers_.candidates.first(children.size()), limits_at(d - scan_depth),
+                              place, context.pyramid.region(), buffers_.places, below_limit);
     report.candidates[static_cast<std::size_t>(d)] += count;
     report.stage_ms[static_cast<int>(Stage::kDescend)] += watch.elapsed_ms();
   }

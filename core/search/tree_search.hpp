@@ -18,7 +18,8 @@ namespace binpick {
 struct SearchParams {
   double score_min = 0.9;  // of both modalities together, 0..2, at every depth
   int candidates_max[4] = {16000, 10000, 6000, 6000};
-  int per_place_max[4] = {24, 12, 8, 8};
+  int per_place_max[4] = {24, 24, 16, 16};
+  int per_origin_max[4] = {24, 3, 2, 2};
 };
 
 struct SearchLimits {
@@ -50,7 +51,7 @@ class TreeSearch {
  private:
   struct Buffers {
     std::span<Candidate> candidates, children;
-    std::span<std::uint16_t> places;
+    std::span<PlaceCount> places;
   };
   // The one list of what a search takes beside its scanner, from an Arena or an ArenaPlan.
   template <class Source>

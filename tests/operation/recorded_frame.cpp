@@ -46,7 +46,7 @@ std::shared_ptr<const RecordedConfiguration> test_configuration(const std::strin
   auto configuration = std::make_shared<RecordedConfiguration>();
   configuration->program = "test \"1\"";
   configuration->files = {{"binpick.toml", text}, {"recipes/part.toml", "number = 1\n"}};
-  configuration->models = {{"/models/part.bpm", 0x0123456789abcdef}, {"b.bpm", 7}};
+  configuration->models = {{1, "/models/part.bpm", 0x0123456789abcdef}, {1, "b.bpm", 7}};
   return configuration;
 }
 

@@ -80,7 +80,8 @@ class UnitTest(unittest.TestCase):
         self.assertEqual(self.root.security(EXPOSURE_MAX).returncode, 0)
 
     def test_exposure_is_measured(self):
-        self.root.change_unit("CapabilityBoundingSet=\n", "CapabilityBoundingSet=~CAP_SYSLOG\n")
+        self.root.change_unit("CapabilityBoundingSet=CAP_NET_BIND_SERVICE\n",
+                              "CapabilityBoundingSet=~CAP_SYSLOG\n")
         self.root.change_unit("ProtectSystem=strict\n", "ProtectSystem=no\n")
         self.root.change_unit("SystemCallFilter=@system-service\n", "")
         self.assertNotEqual(self.root.security(EXPOSURE_MAX).returncode, 0)

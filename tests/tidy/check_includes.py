@@ -5,7 +5,8 @@ core/        the C++ library without files, clocks, threads and printing; Eigen;
 core/train/  core, the whole C++ library, POSIX, assimp, OSMesa
 drivers/     of core only base, frame and geometry; image and JSON libraries; never app;
              Aravis in drivers/aravis/, libusb in drivers/usb/
-app/         public headers of core and drivers, its own private ones; neither assimp nor OSMesa
+app/         public headers of core and drivers, its own private ones; neither assimp nor OSMesa;
+app/modbus/  of all these only base, geometry, clock and set-up errors
 tests/, tools/ everything
 
 The folders of core form a hierarchy: no two of them include each other, not even by a detour.
@@ -20,11 +21,11 @@ LIBRARIES = {  # first part of the path -> library
     "Eigen": "Eigen", "hwy": "Highway", "assimp": "assimp", "GL": "OSMesa",
     "opencv2": "OpenCV", "nlohmann": "nlohmann", "CLI": "CLI11", "gtest": "GoogleTest",
     "gmock": "GoogleTest", "arv.h": "Aravis", "libusb.h": "libusb", "toml++": "tomlplusplus",
-    "zlib.h": "zlib",
+    "modbus.h": "libmodbus", "zlib.h": "zlib",
 }
 POSIX = ("sys", "unistd.h", "fcntl.h", "pthread.h", "signal.h", "poll.h", "dirent.h", "errno.h",
          "time.h", "sched.h", "dlfcn.h", "arpa", "netinet", "spawn.h", "stdio.h", "stdlib.h",
-         "semaphore.h")
+         "ifaddrs.h", "malloc.h", "semaphore.h")
 # Core prints nothing, opens nothing, starts nothing and reads no clock.
 NOT_IN_CORE = {
     "iostream", "istream", "ostream", "fstream", "sstream", "strstream", "iomanip", "ios", "iosfwd",
@@ -38,7 +39,8 @@ ALLOWED_LIBRARIES = {
     "core": {"std", "Eigen", "Highway"},
     "train": {"std", "POSIX", "Eigen", "assimp", "OSMesa"},
     "drivers": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "Aravis", "libusb"},
-    "app": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "CLI11", "tomlplusplus", "zlib"},
+    "app": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "CLI11", "tomlplusplus", "libmodbus",
+            "zlib"},
 }
 ALLOWED_AREAS = {
     "core": {"core"},
@@ -49,6 +51,11 @@ ALLOWED_AREAS = {
 SHARED_BY_DRIVERS = "genicam"  # payloads and formats: no device library
 # Device libraries, each in one folder only.
 LIBRARY_FOLDERS = {"Aravis": "drivers/aravis/", "libusb": "drivers/usb/"}
+# Made in the build folder: (area, path as it is included).
+GENERATED = {("app", "modbus/register_map.hpp")}
+# The Modbus side knows registers, poses and sockets: nothing of detection, sensors and the rest.
+MODBUS_SEES = ("app/modbus/", "app/clock.hpp", "app/setup_error.hpp", "core/include/binpick/base/",
+               "core/include/binpick/geometry/")
 DRIVERS_SEE_OF_CORE = {"base", "frame", "geometry"}
 # Where a private header may stand, seen from the area that includes it.
 PRIVATE_ROOTS = {
@@ -100,6 +107,8 @@ def fault_of_ours(relative, area, header):
     if other not in ALLOWED_AREAS[area]:
         return f"{area} may not know {other}"
     public = header.startswith(PUBLIC_ROOTS)
+    if relative.startswith("app/modbus/") and not header.startswith(MODBUS_SEES):
+        return "the Modbus side knows neither detection nor sensors"
     if not public and area in ("drivers", "app") and other != area:
         return f"a private header of {other}"
     if area == "drivers" and other == "core" and core_folder_of(header) not in DRIVERS_SEE_OF_CORE:
@@ -160,6 +169,8 @@ def check(root):
         if area in ("tests", "tools"):
             continue
         for line, quoted, target in includes(text_of(source)):
+            if (area, target) in GENERATED:
+                continue
             header = resolve(root, source, area, target)
             if header is None:
                 fault = fault_of_library(relative, area, target, quoted)

@@ -99,6 +99,14 @@ class IncludesTest(TreeTest):
     def test_drivers_share_the_payload_folder(self):
         self.write("drivers/genicam/scan3d.hpp", "#pragma once\n")
         self.assertEqual(self.faults("drivers/aravis/file.cpp", '"genicam/scan3d.hpp"'), [])
+    def test_the_modbus_side_knows_no_detection(self):
+        self.write("app/modbus/answer.hpp", HEADER.format(name="f"))
+        self.assertEqual(self.faults("app/modbus/answer.cpp", '"modbus/answer.hpp"', "<modbus.h>",
+                                     '"modbus/register_map.hpp"',
+                                     '"binpick/base/arena.hpp"'), [])
+        self.assert_one_fault(
+            self.faults("app/modbus/answer.cpp", '"binpick/detect/detector.hpp"'),
+            "neither detection nor sensors")
 
     def test_app_sees_public_headers_only(self):
         self.assert_one_fault(self.faults("app/main.cpp", '"../core/search/scan.hpp"'),

@@ -24,7 +24,8 @@ struct FrameCamera {
   CameraIntrinsics intrinsics;
   std::optional<double> depth_scale;  // mm per unit of the depth image
   Roi roi;
-  // When it was captured, where the recording says so: by the host's and the sensor's clock. Else 0.
+  // When it was captured, where the recording says so: by the host's and the sensor's clock. Else
+  // 0.
   std::int64_t capture_ns = 0, device_ns = 0;
 };
 

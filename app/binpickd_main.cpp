@@ -1,0 +1,98 @@
+// binpickd: the station's daemon.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+
+#include "binpick/drivers/loaded_frame.hpp"
+#include "binpick/drivers/open_camera.hpp"
+#include "config/config_file.hpp"
+#include "daemon/daemon.hpp"
+#include "daemon/thread_setup.hpp"
+#include "sensor/sensor_spec.hpp"
+#include "setup_error.hpp"
+
+namespace binpick::app {
+namespace {
+
+// 78 is EX_CONFIG: starting again with the same input is useless, and the unit does not.
+enum ExitStatus : int { kDone = 0, kFailure = 1, kUsage = 2, kCannotStart = 78 };
+
+struct Arguments {
+  std::string config = "/etc/binpick/binpick.toml";
+  bool check = false, plan = false;
+};
+
+// A line a fault.
+int report(ExitStatus status, const std::string& message) {
+  std::fflush(stdout);
+  for (std::size_t begin = 0; begin <= message.size();) {
+    const std::size_t end = std::min(message.find('\n', begin), message.size());
+    std::fprintf(stderr, "binpickd: error: %s\n", message.substr(begin, end - begin).c_str());
+    begin = end + 1;
+  }
+  return status;
+}
+
+// What does not start a sensor: files, models and the memory plan.
+int look_only(const Arguments& arguments, const Config& config) {
+  const RecipeSet recipes(config);
+  const MemoryPlan plan = make_memory_plan(config, recipes);
+  if (arguments.plan) std::fputs(plan.text().c_str(), stdout);
+  check_memory_plan(plan, config.memory);
+  if (arguments.check) std::printf("%s: can be used\n", arguments.config.c_str());
+  return kDone;
+}
+
+int serve(const Config& config) {
+  SignalInbox::block();
+  set_up_threads_and_heap(config.threads);
+  LogParams log_params;
+  log_params.level = config.logging.level;
+  Log log(log_params);
+  Notifier notifier;
+  const drivers::CameraSpec spec = camera_spec_of(config.sensor);
+  Daemon daemon(
+      config, [spec] { return drivers::open_camera(spec); }, log, notifier);
+  daemon.run();
+  return kDone;
+}
+
+int run(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("Serves picks to a PLC: triggers, grabs, detects, ranks, publishes.", "binpickd");
+  app.set_version_flag("--version", "binpickd " BINPICK_VERSION);
+  app.add_option("--config", arguments.config, "The configuration file")->capture_default_str();
+  app.add_flag("--check", arguments.check, "Only check the configuration and the models");
+  app.add_flag("--plan", arguments.plan, "Only print the memory that would be taken");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);
+    return report(kUsage, std::string(e.what()) + " (see binpickd --help)");
+  }
+  const Config config = load_config(arguments.config);
+  if (arguments.check || arguments.plan) return look_only(arguments, config);
+  return serve(config);
+}
+
+}  // namespace
+}  // namespace binpick::app
+
+int main(int argc, char** argv) {
+  using namespace binpick;
+  try {
+    return app::run(argc, argv);
+  } catch (const app::ConfigError& e) {
+    return app::report(app::kCannotStart, e.what());
+  } catch (const app::SetupError& e) {
+    return app::report(app::kCannotStart, e.what());
+  } catch (const drivers::DatasetError& e) {
+    return app::report(app::kCannotStart, e.what());
+  } catch (const std::bad_alloc&) {
+    return app::report(app::kFailure, "out of memory");
+  } catch (const std::exception& e) {
+    return app::report(app::kFailure, e.what());
+  }
+}

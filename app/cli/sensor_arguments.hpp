@@ -1,0 +1,31 @@
+// The options that say which sensor and how: shared by the commands that open one.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "binpick/drivers/camera_spec.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace binpick::app {
+
+struct SensorArguments {
+  std::string uri, profile, camera_file, trigger = "software", line = "Line0";
+  double exposure_us = 0, fps = 0;
+  int packet_size = 0, width_max = 2048, height_max = 2048;
+  bool no_packet_socket = false, loop = false;
+};
+
+void add_sensor_options(CLI::App& command, SensorArguments& arguments);
+
+// Asks the sensor who it is and takes the profile that fits, unless one is named; says on stderr
+// which. Throws what is wrong with the URI, the profile or the camera file.
+drivers::CameraSpec camera_spec_of(const SensorArguments& arguments);
+
+// Where the profiles are that came with this build.
+std::string sensor_profile_folder();
+
+}  // namespace binpick::app

@@ -1,0 +1,222 @@
+#include "daemon/daemon.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "clock.hpp"
+#include "config/config_file.hpp"
+#include "daemon/thread_setup.hpp"
+#include "sensor/sensor_spec.hpp"
+#include "setup_error.hpp"
+
+namespace binpick::app {
+namespace {
+
+constexpr int kTurn_ms = 250;
+
+MemoryPlan checked_plan(const Config& config, const RecipeSet& recipes) {
+  MemoryPlan plan = make_memory_plan(config, recipes);
+  check_memory_plan(plan, config.memory);
+  return plan;
+}
+
+// Locked before the arena is made, which then has its pages at once and for good.
+std::size_t lock_if_wanted(const MemoryConfig& config, std::size_t bytes) {
+  if (config.lock) lock_memory();
+  return bytes;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace
+
+Daemon::Daemon(const Config& config, OpenFn open, Log& log, Notifier& notifier)
+    : config_(config),
+      log_(log),
+      notifier_(notifier),
+      recipes_(config_),
+      plan_(checked_plan(config_, recipes_)),
+      arena_(lock_if_wanted(config_.memory, plan_.arena_bytes())),
+      frames_(frame_pool_params(config_), arena_),
+      workers_(make_workers()),
+      detector_(recipes_.models(), recipes_.limits(), {MapLayout::kRearranged, config_.threads.isa},
+                workers_, monotonic_ns, arena_),
+      board_(config_.station.picks_max, arena_),
+      sink_count_(collect_sinks()),
+      session_(std::move(open), frames_, session_params_of(config_.sensor)),
+      source_(session_),
+      station_(make_station()),
+      control_(config_.station.control_socket,
+               {[this](const Order& order) { return station_.offer(order); },
+                [this] { return status_text(); }, [this] { return record(); }}) {
+  metrics_.watch(
+      {&session_, modbus_ ? &*modbus_ : nullptr, recorder_ ? &*recorder_ : nullptr, &log_});
+  if (!config_.metrics.listen.empty())
+    metrics_server_.emplace(MetricsServerParams{config_.metrics.listen}, metrics_.registry(),
+                            arena_);
+  // What was planned is what was taken.
+  BINPICK_ASSERT(arena_.used_bytes() == plan_.arena_bytes());
+  arena_.seal();
+}
+
+ThreadPool Daemon::make_workers() const {
+  const ScopedScheduling scheduling(config_.threads);
+  return ThreadPool(worker_count(config_));
+}
+
+Station Daemon::make_station() {
+  const ScopedScheduling scheduling(config_.threads);
+  return Station({recipes_, detector_, source_, monotonic_ns, std::span(sinks_).first(sink_count_)},
+                 config_, arena_);
+}
+
+// Modbus first: nobody there waits for the others. The board last: when it says that there is
+// something new, it is everywhere.
+std::size_t Daemon::collect_sinks() {
+  std::size_t count = 0;
+  if (config_.modbus.enabled) sinks_[count++] = &modbus_.emplace(config_);
+  sinks_[count++] = &metrics_;
+  if (!config_.recorder.folder.empty())
+    sinks_[count++] = &recorder_.emplace(config_, recipes_, modbus_ ? &*modbus_ : nullptr, arena_);
+  sinks_[count++] = &board_;
+  return count;
+}
+
+void Daemon::run() {
+  station_.start();
+  if (modbus_) modbus_->start(station_, session_);
+  log_.info("ready: %zu recipes, %.0f MiB planned, %d threads compute", recipes_.recipes().size(),
+            static_cast<double>(plan_.bytes_total()) / (1 << 20), workers_.thread_count());
+  if (modbus_) log_.info("Modbus TCP on %s:%d", config_.modbus.bind.c_str(), modbus_->port());
+  notifier_.ready("waiting for commands");
+  int wait_ms = kTurn_ms;
+  if (const auto period = notifier_.watchdog_period())
+    wait_ms = std::clamp(static_cast<int>(period->count() / 4000), 1, kTurn_ms);
+  while (!ending_) turn(wait_ms);
+  notifier_.stopping();
+  log_.info("stopping");
+  // No new orders; the cycle that runs is answered.
+  if (modbus_) modbus_->stop();
+  station_.stop();
+}
+
+void Daemon::turn(int wait_ms) {
+  std::vector<pollfd> descriptors = {{signals_.descriptor(), POLLIN, 0},
+                                     {board_.descriptor(), POLLIN, 0}};
+  control_.add_descriptors(descriptors);
+  poll(descriptors.data(), descriptors.size(), wait_ms);
+  if (descriptors[1].revents != 0) tell_answers();
+  control_.handle(descriptors);
+  handle_signals();
+  tell_sensor();
+  tell_recorder();
+  feed_watchdog();
+}
+
+void Daemon::handle_signals() {
+  while (const int signal = signals_.take()) {
+    if (signal == SIGHUP) {
+      reload();
+    } else {
+      ending_ = true;
+    }
+  }
+}
+
+void Daemon::reload() {
+  notifier_.reloading();
+  try {
+    const Config wanted = load_config(config_.file);
+    const ConfigChanges changes = compare(config_, wanted);
+    take_live_values(config_, wanted);
+    station_.reload(config_);
+    if (modbus_) modbus_->set_flange_needed(needs_flange_pose(config_.station));
+    log_.set_level(config_.logging.level);
+    if (recorder_) recorder_->reload(config_, recipes_);
+    if (changes.live.empty() && changes.restart.empty()) log_.info("reload: nothing has changed");
+    if (!changes.live.empty()) log_.info("reload: taken over: %s", joined(changes.live).c_str());
+    if (!changes.restart.empty())
+      log_.warning("reload: needs a restart: %s", joined(changes.restart).c_str());
+  } catch (const std::exception& e) {
+    log_.error("reload: nothing is changed: %s", e.what());
+  }
+  notifier_.ready("waiting for commands");
+}
+
+void Daemon::tell_answers() {
+  board_.clear_event();
+  for (int i = 0; i < ResultBoard::kSources; ++i) {
+    const auto source = static_cast<OrderSource>(i);
+    const ResultBoard::Copy last = board_.last(source);
+    if (last.number == told_[static_cast<std::size_t>(i)]) continue;
+    told_[static_cast<std::size_t>(i)] = last.number;
+    const CycleResult& r = last.result;
+    if (source == OrderSource::kControl) control_.answer(r);
+    const char* error = r.error.code == ErrorCode::kNone ? "" : error_message(r.error.code);
+    if (is_fault(r.cause)) {
+      log_.about_cycle(LogLevel::kWarning, r.cycle, cause_name(r.cause), "cycle %llu: %s: %s%s%s",
+                       static_cast<unsigned long long>(r.cycle), order_name(r.order.code),
+                       cause_name(r.cause), *error ? ": " : "", error);
+    } else {
+      log_.about_cycle(LogLevel::kDebug, r.cycle, cause_name(r.cause),
+                       "cycle %llu: %s: %s, %zu picks of %d, grab %.1f detect %.1f total %.1f ms",
+                       static_cast<unsigned long long>(r.cycle), order_name(r.order.code),
+                       cause_name(r.cause), r.picks.size(), r.detections, r.times.grab_ms,
+                       r.times.detect_ms, r.times.total_ms);
+    }
+  }
+}
+
+// Once a change, not once a look.
+void Daemon::tell_sensor() {
+  const SessionStatus status = session_.status();
+  if (status.losses != losses_told_) {
+    losses_told_ = status.losses;
+    log_.warning("%s: lost (%llu times since start)", config_.sensor.uri.c_str(),
+                 static_cast<unsigned long long>(status.losses));
+  }
+  if (status.opened != opened_told_) {
+    opened_told_ = status.opened;
+    open_error_told_.clear();
+    log_.info("%s: open", config_.sensor.uri.c_str());
+  }
+  if (status.state != SessionState::kReady && status.last_error != open_error_told_) {
+    open_error_told_ = status.last_error;
+    log_.warning("%s", status.last_error.c_str());
+  }
+}
+
+// False: there is no recorder.
+bool Daemon::record() {
+  if (recorder_) recorder_->recorder().write_kept();
+  return recorder_.has_value();
+}
+
+void Daemon::tell_recorder() {
+  if (!recorder_) return;
+  const RecorderCounters c = recorder_->recorder().counters();
+  const std::uint64_t lost = c.overwritten + c.write_failed + c.frame_too_large;
+  if (lost == records_lost_told_) return;
+  log_.warning("recorder: %llu cycles could not be recorded: %s",
+               static_cast<unsigned long long>(lost - records_lost_told_),
+               c.last_errno != 0 ? std::strerror(c.last_errno) : "the disk is too slow");
+  records_lost_told_ = lost;
+}
+
+// By the cycle's own steps: a cycle that hangs is not fed, however lively this loop is.
+void Daemon::feed_watchdog() {
+  const std::uint64_t progress = station_.progress();
+  if (progress == progress_fed_) return;
+  progress_fed_ = progress;
+  if (notifier_.watchdog_period()) notifier_.watchdog();
+}
+
+std::string Daemon::status_text() const {
+  return status_json(station_.status(), session_state_name(session_.status().state));
+}
+
+}  // namespace binpick::app

@@ -1,0 +1,28 @@
+// Where and how threads run: what is set here is inherited by the threads made meanwhile, and put
+// back at the end of the scope. Set-up only.
+#pragma once
+
+#include <sched.h>
+
+#include "config/config.hpp"
+
+namespace binpick::app {
+
+// Throws SetupError where the system does not allow it.
+class ScopedScheduling {
+ public:
+  explicit ScopedScheduling(const ThreadsConfig& config);
+  ~ScopedScheduling();
+  ScopedScheduling(const ScopedScheduling&) = delete;
+  ScopedScheduling& operator=(const ScopedScheduling&) = delete;
+
+ private:
+  cpu_set_t cpus_before_{};
+  int policy_before_ = 0;
+  sched_param priority_before_{};
+};
+
+// Stack of the threads made from here on, and few heaps, so that what the process holds stays flat.
+void set_up_threads_and_heap(const ThreadsConfig& config);
+
+}  // namespace binpick::app

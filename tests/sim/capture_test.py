@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""The sensor commands as users start them, on a recording and on a simulated sensor.
+
+capture_test.py BINPICK GVSIM
+"""
+
+import filecmp
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+BINPICK, GVSIM = sys.argv.pop(1), sys.argv.pop(1)
+BIN = Path(__file__).resolve().parents[1] / "data/bin-sample"
+
+
+def address():
+    pid = os.getpid()
+    return f"127.{1 + pid // 250 % 250}.{1 + pid % 250}.201"
+
+
+def binpick(*arguments):
+    return subprocess.run([BINPICK, *map(str, arguments)], stdin=subprocess.DEVNULL, text=True,
+                          capture_output=True, timeout=120)
+
+
+class CaptureTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.out = Path(folder.name) / "captured"
+
+    def assert_same_images(self, number, scene, image):
+        for kind in ("depth", "gray"):
+            # The files' bytes may differ by their compression: a second capture compares them.
+            self.assertTrue((self.out / f"test/000001/{kind}/{number:06d}.png").is_file())
+        camera = json.loads((self.out / "test/000001/scene_camera.json").read_text())
+        truth = json.loads((BIN / f"test/{scene:06d}/scene_camera.json").read_text())
+        self.assertEqual(camera[str(number)]["cam_K"], truth[str(image)]["cam_K"])
+
+    def test_captures_a_recording_and_the_capture_is_a_recording(self):
+        run = binpick("capture", "--sensor", f"replay:{BIN}", "-n", 3, "-o", self.out)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("3 of 3 frames", run.stdout)
+        self.assert_same_images(0, 1, 0)
+        again = self.out.parent / "again"
+        run = binpick("capture", "--sensor", f"replay:{self.out}", "-n", 3, "-o", again)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        for kind in ("depth", "gray"):
+            for i in range(3):
+                name = f"test/000001/{kind}/{i:06d}.png"
+                self.assertTrue(filecmp.cmp(self.out / name, again / name, shallow=False))
+
+    def test_says_when_a_recording_ends_too_early(self):
+        run = binpick("capture", "--sensor", f"replay:{BIN}", "-n", 99, "-o", self.out)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("7 of 99 frames", run.stdout)
+        self.assertIn("the recording is over", run.stderr)
+
+    def test_does_not_overwrite(self):
+        self.out.mkdir()
+        (self.out / "mine").write_text("x")
+        run = binpick("capture", "--sensor", f"replay:{BIN}", "-n", 1, "-o", self.out)
+        self.assertEqual(run.returncode, 78)
+        self.assertIn("not empty", run.stderr)
+
+    def test_names_what_is_wrong(self):
+        run = binpick("capture", "--sensor", "what:ever", "-n", 1, "-o", self.out)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("what:ever: expected gev://", run.stderr)
+        self.assertFalse(self.out.exists())
+
+    def test_a_simulated_sensor_is_shown_and_captured(self):
+        sim = subprocess.Popen([GVSIM, "--bind", address(), "--scenes", BIN, "--scene", "1"],
+                               stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        try:
+            self.assertIn("ready", sim.stdout.readline())
+            uri = f"gev://{address()}"
+            info = binpick("sensor-info", uri, "--seconds", 1, "--no-packet-socket")
+            self.assertEqual(info.returncode, 0, info.stderr)
+            self.assertIn("Scan3dCoordinateScale C", info.stdout)
+            self.assertIn("frames/s", info.stdout)
+            run = binpick("capture", "--sensor", uri, "-n", 4, "-o", self.out, "--no-packet-socket")
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertIn("4 of 4 frames", run.stdout)
+            self.assertIn("dropped 0", run.stdout)
+            self.assert_same_images(0, 1, 0)
+        finally:
+            sim.kill()
+            sim.communicate()
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main())
