@@ -48,7 +48,9 @@ int look_only(const Arguments& arguments, const Config& config) {
 int serve(const Config& config) {
   SignalInbox::block();
   set_up_threads_and_heap(config.threads);
-  Log log(config.logging.level);
+  LogParams log_params;
+  log_params.level = config.logging.level;
+  Log log(log_params);
   Notifier notifier;
   const drivers::CameraSpec spec = camera_spec_of(config.sensor);
   Daemon daemon(

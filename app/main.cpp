@@ -11,6 +11,7 @@
 #include "binpick/drivers/loaded_frame.hpp"
 #include "binpick/train/errors.hpp"
 #include "cli/commands.hpp"
+#include "config/config_file.hpp"
 #include "setup_error.hpp"
 
 namespace binpick::app {
@@ -39,6 +40,7 @@ int run(int argc, char** argv) {
   add_eval_command(app, exit_status);
   add_score_command(app, exit_status);
   add_trigger_command(app, exit_status);
+  add_replay_command(app, exit_status);
   add_sensors_command(app, exit_status);
   add_sensor_info_command(app, exit_status);
   add_capture_command(app, exit_status);
@@ -67,6 +69,8 @@ int main(int argc, char** argv) {
   using namespace binpick;
   try {
     return app::run(argc, argv);
+  } catch (const app::ConfigError& e) {
+    return app::report(app::kCannotStart, e.what());
   } catch (const app::SetupError& e) {
     return app::report(app::kCannotStart, e.what());
   } catch (const drivers::DatasetError& e) {

@@ -8,7 +8,10 @@
 #include <cstdio>
 #include <cstring>
 
+#include "daemon/metrics_sink.hpp"
+#include "daemon/recorder_sink.hpp"
 #include "daemon/result_board.hpp"
+#include "metrics/metrics_server.hpp"
 #include "setup_error.hpp"
 #include "station/cycle.hpp"
 #include "thread_pool.hpp"
@@ -46,6 +49,21 @@ void add_frames(const Config& config, MemoryPlan& plan) {
   plan.lines.push_back({"frame pool", "frames: depth and intensity", slots, each});
   plan.lines.push_back(
       {"frame pool", "table of frames", 1, FramePool::footprint(params) - slots * each});
+}
+
+void add_operation(const Config& config, MemoryPlan& plan) {
+  if (!config.recorder.folder.empty())
+    plan.lines.push_back(
+        {"recorder", "the last cycles, image buffers", 1, RecorderSink::footprint(config)});
+  if (!config.metrics.listen.empty())
+    plan.lines.push_back({"metrics", "answers to those who ask", 1,
+                          MetricsServer::footprint(MetricsSink().registry())});
+  plan.lines.push_back({"log", "lines to be written", 1, Log::footprint(), Place::kHeap});
+}
+
+// Threads of the parts that watch: log, and as configured recorder and metrics.
+std::size_t operation_threads(const Config& config) {
+  return 1 + !config.recorder.folder.empty() + !config.metrics.listen.empty();
 }
 
 }  // namespace
@@ -105,6 +123,7 @@ MemoryPlan make_memory_plan(const Config& config, const RecipeSet& recipes) {
   plan.lines.push_back({"detector", "pyramids, maps, candidates, poses", 1, detector_bytes});
   plan.lines.push_back({"cycle", "picks and their order", 1, Cycle::footprint(picks_max)});
   plan.lines.push_back({"results", "last answers", 1, ResultBoard::footprint(picks_max)});
+  add_operation(config, plan);
   for (const auto& file : recipes.files())
     plan.lines.push_back({"models", file->name(), 1, file->size_bytes(), Place::kHeap});
   // Payloads as large as a frame can be: four bytes of depth and one of intensity a pixel.
@@ -112,9 +131,10 @@ MemoryPlan make_memory_plan(const Config& config, const RecipeSet& recipes) {
                        static_cast<std::size_t>(config.sensor.height_max) * 5;
   const auto buffers = static_cast<std::size_t>(config.sensor.buffers);
   plan.lines.push_back({"sensor", "payload buffers, at most", buffers, payload, Place::kHeap});
-  plan.lines.push_back({"threads", "stacks",
-                        static_cast<std::size_t>(workers - 1) + kThreadsBesideWorkers,
-                        static_cast<std::size_t>(config.threads.stack_kib) << 10, Place::kStack});
+  plan.lines.push_back(
+      {"threads", "stacks",
+       static_cast<std::size_t>(workers - 1) + kThreadsBesideWorkers + operation_threads(config),
+       static_cast<std::size_t>(config.threads.stack_kib) << 10, Place::kStack});
   plan.lines.push_back({"process", "code, libraries, start", 1, kProcessBytes, Place::kHeap});
   return plan;
 }

@@ -46,6 +46,20 @@ ObjectModel ModelFile::parse(const std::string& path, const Bytes& bytes) {
   throw SetupError(path + ": " + error_text(model.error()));
 }
 
+std::uint64_t ModelFile::checksum() const {
+  constexpr std::uint64_t kPrime = 0x100000001B3;
+  std::uint64_t hash = 0xCBF29CE484222325;
+  std::size_t i = 0;
+  for (; i + sizeof hash <= bytes_.size; i += sizeof hash) {
+    std::uint64_t word;
+    std::memcpy(&word, bytes_.data.get() + i, sizeof word);
+    hash = (hash ^ word) * kPrime;
+    hash ^= hash >> 32;  // products never carry downwards
+  }
+  for (; i < bytes_.size; ++i) hash = (hash ^ bytes_.data[i]) * kPrime;
+  return hash;
+}
+
 ModelFile::ModelFile(const std::string& path)
     : path_(path),
       name_(std::filesystem::path(path).stem().string()),

@@ -20,6 +20,8 @@ class ModelFile {
   // The file's name without folders and extension: what people call the part.
   const std::string& name() const { return name_; }
   std::size_t size_bytes() const { return bytes_.size; }
+  // FNV-1a of 64-bit words and the last bytes: tells files apart, for recordings.
+  std::uint64_t checksum() const;
 
  private:
   struct FreeAligned {

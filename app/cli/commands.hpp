@@ -14,6 +14,7 @@ void add_info_command(CLI::App& app, int& exit_status);
 void add_detect_command(CLI::App& app, int& exit_status);
 void add_eval_command(CLI::App& app, int& exit_status);
 void add_score_command(CLI::App& app, int& exit_status);
+void add_replay_command(CLI::App& app, int& exit_status);
 void add_trigger_command(CLI::App& app, int& exit_status);
 void add_sensors_command(CLI::App& app, int& exit_status);
 void add_sensor_info_command(CLI::App& app, int& exit_status);

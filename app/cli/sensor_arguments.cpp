@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 
 #include "binpick/drivers/loaded_frame.hpp"
 #include "binpick/drivers/sensor_list.hpp"
@@ -13,7 +14,13 @@ namespace binpick::app {
 
 std::string sensor_profile_folder() {
   const char* folder = std::getenv("BINPICK_SENSOR_PROFILES");
-  return folder != nullptr ? folder : BINPICK_SENSOR_PROFILE_FOLDER;
+  if (folder != nullptr) return folder;
+  // Installed: PREFIX/bin and PREFIX/share. Else the program was built here.
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  const auto installed = program.parent_path().parent_path() / "share/binpick/sensors";
+  const bool there = !error && std::filesystem::is_directory(installed, error);
+  return there ? installed.string() : BINPICK_SENSOR_PROFILE_FOLDER;
 }
 
 void add_sensor_options(CLI::App& command, SensorArguments& a) {

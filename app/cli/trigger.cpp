@@ -112,7 +112,7 @@ void add_trigger_command(CLI::App& app, int& exit_status) {
   command
       ->add_option("order", arguments->words,
                    "detect, capture or process with recipe=N picks=N deadline_ms=N; recipe N; page "
-                   "N; next_page; clear_fault; free_run on|off; flush; status")
+                   "N; next_page; clear_fault; free_run on|off; flush; record; status")
       ->capture_default_str();
   command->add_option("--socket", arguments->socket, "The station's control socket")
       ->capture_default_str();

@@ -10,7 +10,9 @@
 #include "binpick/drivers/camera_spec.hpp"
 #include "binpick/frame/frame.hpp"
 #include "binpick/simd/isa.hpp"
+#include "log/log_level.hpp"
 #include "modbus/encoding.hpp"
+#include "recorder/record_mode.hpp"
 
 namespace binpick::app {
 
@@ -92,10 +94,20 @@ struct ThreadsConfig {
   int stack_kib = 1024;
 };
 
-enum class LogLevel : int { kError = 0, kWarning, kInfo, kDebug };
-
 struct LoggingConfig {
   LogLevel level = LogLevel::kInfo;
+};
+
+struct RecorderConfig {
+  std::string folder;  // empty: no recorder
+  RecordMode mode = RecordMode::kOnFault;
+  int cycles = 8;  // kept in memory; sizes memory
+  int mib_max = 4096;
+  int free_mib_min = 1024;
+};
+
+struct MetricsConfig {
+  std::string listen;  // empty: none
 };
 
 // What is to be picked: one file each.
@@ -118,6 +130,8 @@ struct Config {
   MemoryConfig memory;
   ThreadsConfig threads;
   LoggingConfig logging;
+  RecorderConfig recorder;
+  MetricsConfig metrics;
   std::vector<RecipeConfig> recipes;  // read from station.recipes, in that order
 };
 

@@ -96,6 +96,7 @@ void visit_modbus(ModbusConfig& c, KeyVisitor& v) {
 void visit_rest(Config& c, KeyVisitor& v) {
   static constexpr const char* kIsas[] = {"best", "scalar", "sse4", "avx2", "avx512"};
   static constexpr const char* kSchedulings[] = {"other", "fifo", "round_robin"};
+  static constexpr const char* kModes[] = {"on_command", "on_fault", "always"};
   static constexpr const char* kLevels[] = {"error", "warning", "info", "debug"};
   v.integer({"memory.mib_max"}, c.memory.mib_max, {16, 1 << 20});
   v.flag({"memory.lock"}, c.memory.lock);
@@ -106,6 +107,12 @@ void visit_rest(Config& c, KeyVisitor& v) {
   v.integer({"threads.priority"}, c.threads.priority, {0, 99});
   v.integer({"threads.stack_kib"}, c.threads.stack_kib, {256, 65536});
   choose(v, {"logging.level", kLive}, c.logging.level, kLevels);
+  choose(v, {"recorder.mode", kLive}, c.recorder.mode, kModes);
+  v.text({"recorder.folder"}, c.recorder.folder);
+  v.integer({"recorder.cycles"}, c.recorder.cycles, {2, 64});
+  v.integer({"recorder.mib_max"}, c.recorder.mib_max, {16, 1 << 24});
+  v.integer({"recorder.free_mib_min"}, c.recorder.free_mib_min, {0, 1 << 24});
+  v.text({"metrics.listen"}, c.metrics.listen);
 }
 
 }  // namespace

@@ -130,6 +130,8 @@ std::string ControlSocket::reply_to(Client& client, std::string_view line) {
   switch (request.kind) {
     case ControlRequest::Kind::kStatus:
       return handlers_.status();
+    case ControlRequest::Kind::kRecord:
+      return handlers_.record() ? R"({"ok":true})" : fault_json("recorder.folder is not set");
     case ControlRequest::Kind::kHelp:
       return kControlHelp;
     case ControlRequest::Kind::kWrong:

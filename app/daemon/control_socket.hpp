@@ -23,6 +23,7 @@ class ControlSocket {
   struct Handlers {
     std::function<bool(const Order&)> offer;  // false: one is waiting already
     std::function<std::string()> status;      // JSON
+    std::function<bool()> record;             // false: there is no recorder
   };
 
   // Makes the socket at `path`, replacing one that nobody listens on. Empty: none. Throws

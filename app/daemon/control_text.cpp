@@ -75,7 +75,7 @@ Json matrix_json(const Pose& T) {
 
 const char* const kControlHelp =
     "detect|capture|process [recipe=N] [picks=N] [deadline_ms=N], recipe N, page N, next_page, "
-    "clear_fault, free_run on|off, flush, status";
+    "clear_fault, free_run on|off, flush, record, status";
 
 ControlRequest parse_control_line(std::string_view line) {
   const std::vector<std::string_view> words = words_of(line);
@@ -99,6 +99,8 @@ ControlRequest parse_control_line(std::string_view line) {
   ControlRequest request;
   if (verb == "status") {
     request.kind = ControlRequest::Kind::kStatus;
+  } else if (verb == "record") {
+    request.kind = ControlRequest::Kind::kRecord;
   } else if (verb == "help") {
     request.kind = ControlRequest::Kind::kHelp;
   } else {

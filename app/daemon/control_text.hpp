@@ -9,14 +9,14 @@
 namespace binpick::app {
 
 struct ControlRequest {
-  enum class Kind { kOrder, kStatus, kHelp, kWrong };
+  enum class Kind { kOrder, kStatus, kRecord, kHelp, kWrong };
   Kind kind = Kind::kWrong;
   Order order;        // of kOrder; source and time are the caller's to fill in
   std::string fault;  // of kWrong
 };
 
 // "detect recipe=2 picks=5 deadline_ms=300", "capture", "process", "recipe 2", "page 3",
-// "next_page", "clear_fault", "free_run on", "free_run off", "flush", "status", "help".
+// "next_page", "clear_fault", "free_run on", "free_run off", "flush", "record", "status", "help".
 ControlRequest parse_control_line(std::string_view line);
 
 std::string result_json(const CycleResult& result);

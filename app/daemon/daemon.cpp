@@ -1,6 +1,7 @@
 #include "daemon/daemon.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "clock.hpp"
 #include "config/config_file.hpp"
@@ -51,7 +52,12 @@ Daemon::Daemon(const Config& config, OpenFn open, Log& log, Notifier& notifier)
       station_(make_station()),
       control_(config_.station.control_socket,
                {[this](const Order& order) { return station_.offer(order); },
-                [this] { return status_text(); }}) {
+                [this] { return status_text(); }, [this] { return record(); }}) {
+  metrics_.watch(
+      {&session_, modbus_ ? &*modbus_ : nullptr, recorder_ ? &*recorder_ : nullptr, &log_});
+  if (!config_.metrics.listen.empty())
+    metrics_server_.emplace(MetricsServerParams{config_.metrics.listen}, metrics_.registry(),
+                            arena_);
   // What was planned is what was taken.
   BINPICK_ASSERT(arena_.used_bytes() == plan_.arena_bytes());
   arena_.seal();
@@ -68,10 +74,14 @@ Station Daemon::make_station() {
                  config_, arena_);
 }
 
-// The board last: when it says that there is something new, it is everywhere.
+// Modbus first: nobody there waits for the others. The board last: when it says that there is
+// something new, it is everywhere.
 std::size_t Daemon::collect_sinks() {
   std::size_t count = 0;
   if (config_.modbus.enabled) sinks_[count++] = &modbus_.emplace(config_);
+  sinks_[count++] = &metrics_;
+  if (!config_.recorder.folder.empty())
+    sinks_[count++] = &recorder_.emplace(config_, recipes_, modbus_ ? &*modbus_ : nullptr, arena_);
   sinks_[count++] = &board_;
   return count;
 }
@@ -103,6 +113,7 @@ void Daemon::turn(int wait_ms) {
   control_.handle(descriptors);
   handle_signals();
   tell_sensor();
+  tell_recorder();
   feed_watchdog();
 }
 
@@ -125,6 +136,7 @@ void Daemon::reload() {
     station_.reload(config_);
     if (modbus_) modbus_->set_flange_needed(needs_flange_pose(config_.station));
     log_.set_level(config_.logging.level);
+    if (recorder_) recorder_->reload(config_, recipes_);
     if (changes.live.empty() && changes.restart.empty()) log_.info("reload: nothing has changed");
     if (!changes.live.empty()) log_.info("reload: taken over: %s", joined(changes.live).c_str());
     if (!changes.restart.empty())
@@ -146,13 +158,15 @@ void Daemon::tell_answers() {
     if (source == OrderSource::kControl) control_.answer(r);
     const char* error = r.error.code == ErrorCode::kNone ? "" : error_message(r.error.code);
     if (is_fault(r.cause)) {
-      log_.warning("cycle %llu: %s: %s%s%s", static_cast<unsigned long long>(r.cycle),
-                   order_name(r.order.code), cause_name(r.cause), *error ? ": " : "", error);
+      log_.about_cycle(LogLevel::kWarning, r.cycle, cause_name(r.cause), "cycle %llu: %s: %s%s%s",
+                       static_cast<unsigned long long>(r.cycle), order_name(r.order.code),
+                       cause_name(r.cause), *error ? ": " : "", error);
     } else {
-      log_.debug("cycle %llu: %s: %s, %zu picks of %d, grab %.1f detect %.1f total %.1f ms",
-                 static_cast<unsigned long long>(r.cycle), order_name(r.order.code),
-                 cause_name(r.cause), r.picks.size(), r.detections, r.times.grab_ms,
-                 r.times.detect_ms, r.times.total_ms);
+      log_.about_cycle(LogLevel::kDebug, r.cycle, cause_name(r.cause),
+                       "cycle %llu: %s: %s, %zu picks of %d, grab %.1f detect %.1f total %.1f ms",
+                       static_cast<unsigned long long>(r.cycle), order_name(r.order.code),
+                       cause_name(r.cause), r.picks.size(), r.detections, r.times.grab_ms,
+                       r.times.detect_ms, r.times.total_ms);
     }
   }
 }
@@ -174,6 +188,23 @@ void Daemon::tell_sensor() {
     open_error_told_ = status.last_error;
     log_.warning("%s", status.last_error.c_str());
   }
+}
+
+// False: there is no recorder.
+bool Daemon::record() {
+  if (recorder_) recorder_->recorder().write_kept();
+  return recorder_.has_value();
+}
+
+void Daemon::tell_recorder() {
+  if (!recorder_) return;
+  const RecorderCounters c = recorder_->recorder().counters();
+  const std::uint64_t lost = c.overwritten + c.write_failed + c.frame_too_large;
+  if (lost == records_lost_told_) return;
+  log_.warning("recorder: %llu cycles could not be recorded: %s",
+               static_cast<unsigned long long>(lost - records_lost_told_),
+               c.last_errno != 0 ? std::strerror(c.last_errno) : "the disk is too slow");
+  records_lost_told_ = lost;
 }
 
 // By the cycle's own steps: a cycle that hangs is not fed, however lively this loop is.

@@ -7,12 +7,14 @@
 #include <cstdint>
 
 #include "daemon/control_socket.hpp"
-#include "daemon/log.hpp"
+#include "daemon/metrics_sink.hpp"
 #include "daemon/modbus_link.hpp"
 #include "daemon/notify.hpp"
+#include "daemon/recorder_sink.hpp"
 #include "daemon/result_board.hpp"
 #include "daemon/signals.hpp"
 #include "memory_plan.hpp"
+#include "metrics/metrics_server.hpp"
 #include "sensor/session_source.hpp"
 #include "thread_pool.hpp"
 
@@ -47,6 +49,8 @@ class Daemon {
   void tell_sensor();
   void feed_watchdog();
   std::string status_text() const;
+  bool record();
+  void tell_recorder();
   ThreadPool make_workers() const;
   Station make_station();
   std::size_t collect_sinks();
@@ -62,11 +66,14 @@ class Daemon {
   Detector detector_;
   ResultBoard board_;
   std::optional<ModbusLink> modbus_;  // none where it is not enabled
-  std::array<StationSink*, 2> sinks_;
+  MetricsSink metrics_;
+  std::optional<RecorderSink> recorder_;  // none where no folder is configured
+  std::array<StationSink*, 4> sinks_;
   std::size_t sink_count_ = 0;
   SensorSession session_;
   SessionSource source_;
   Station station_;
+  std::optional<MetricsServer> metrics_server_;
   ControlSocket control_;
   SignalInbox signals_;
 
@@ -74,6 +81,7 @@ class Daemon {
   std::array<std::uint64_t, ResultBoard::kSources> told_{};
   std::uint64_t progress_fed_ = 0, opened_told_ = 0, losses_told_ = 0;
   std::string open_error_told_;
+  std::uint64_t records_lost_told_ = 0;
 };
 
 }  // namespace binpick::app

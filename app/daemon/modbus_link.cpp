@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "daemon/answer_of_result.hpp"
 #include "sensor/sensor_spec.hpp"
 
 namespace binpick::app {
@@ -13,32 +14,10 @@ namespace map = modbus::map;
 
 // The register map promises a heartbeat every 200 ms at least.
 constexpr int kTurn_ms = 50;
-// Parts of which less can be seen are flagged.
-constexpr double kPartlyHidden = 0.9;
-constexpr std::int64_t kNsPerMs = 1'000'000;
 
 template <class Bit>
 std::uint16_t bit_if(bool set, Bit bit) {
   return set ? static_cast<std::uint16_t>(bit) : std::uint16_t{0};
-}
-
-std::uint16_t held(int value) {
-  return static_cast<std::uint16_t>(std::clamp(value, 0, 65535));
-}
-
-void fill_page(const CycleResult& result, modbus::AnswerSnapshot& answer) {
-  const auto first = static_cast<std::size_t>(std::max(0, result.page - 1)) * map::kPicksPerPage;
-  answer.page_pick_count = 0;
-  for (std::size_t i = first; i < result.picks.size(); ++i) {
-    if (answer.page_pick_count == map::kPicksPerPage) break;
-    const Pick& pick = result.picks[i];
-    answer.page_picks[static_cast<std::size_t>(answer.page_pick_count++)] = {
-        .T_ref_part = pick.T_ref_pick,
-        .score = pick.score,
-        .visible = pick.visible_fraction,
-        .recipe = held(result.recipe),
-        .flags = bit_if(pick.visible_fraction < kPartlyHidden, map::PickFlagsBit::kPartlyHidden)};
-  }
 }
 
 }  // namespace
@@ -95,25 +74,8 @@ void ModbusLink::run() {
 }
 
 void ModbusLink::take(const modbus::TakenCommand& taken) {
-  // Judged where the order is carried out, by the same rules for all who order; here only what the
-  // registers themselves show.
-  modbus::CommandLimits limits;
-  limits.recipe_count = limits.picks_max = 0xFFFF;
-  limits.flange_pose_needed = flange_needed_.load(std::memory_order_relaxed);
-  const modbus::Command command = modbus::decode_command(taken.registers, limits, encoding_);
-  Order order;
-  order.code = command.code;
-  order.source = OrderSource::kPlc;
-  order.sequence = command.sequence;
-  order.recipe = command.recipe;
-  order.picks_max = command.picks_max;
-  order.deadline_ms = command.deadline_ms;
-  order.page = command.page;
-  order.has_flange_pose = command.T_base_flange.has_value();
-  order.T_base_flange = command.T_base_flange.value_or(Pose{});
-  order.received_ns = taken.taken_ns;
-  order.refusal = command.refusal;
-  station_->offer(order);
+  station_->offer(order_of_command(taken.registers, encoding_,
+                                   flange_needed_.load(std::memory_order_relaxed), taken.taken_ns));
 }
 
 void ModbusLink::turn() {
@@ -135,21 +97,10 @@ void ModbusLink::on_result(const CycleResult& result, const StationStatus& statu
                            const FrameRef&) {
   const std::lock_guard lock(publish_mutex_);
   status_ = status;
-  const bool from_plc = result.order.source == OrderSource::kPlc;
-  const auto sequence = static_cast<std::uint16_t>(result.order.sequence);
-  if (from_plc) answer_.acknowledged_sequence = sequence;
+  if (result.order.source == OrderSource::kPlc)
+    answer_.acknowledged_sequence = static_cast<std::uint16_t>(result.order.sequence);
   answer_.result_sequence = modbus::next_sequence(answer_.result_sequence);
-  answer_.result_command = from_plc ? sequence : std::uint16_t{0};
-  answer_.cause = result.cause;
-  answer_.no_pick_reasons = result.no_pick_reasons;
-  answer_.detections = held(result.detections);
-  answer_.picks = held(static_cast<int>(result.picks.size()));
-  answer_.page = held(result.page);
-  answer_.recipe = held(result.recipe);
-  answer_.cycle_number = static_cast<std::uint32_t>(result.cycle);
-  answer_.capture_unix_ms = result.capture_unix_ns / kNsPerMs;
-  answer_.cycle_time_ms = static_cast<std::int64_t>(result.times.total_ms + 0.5);
-  fill_page(result, answer_);
+  fill_answer(result, answer_);
   capture_ns_ = result.capture_ns;
   cut_short_ =
       (result.no_pick_reasons & static_cast<std::uint16_t>(map::NoPickReasonsBit::kDeadline)) != 0;
@@ -173,6 +124,11 @@ std::uint16_t ModbusLink::state_bits() const {
       bit_if(sensor_ok, StateBit::kSensorOk) |
       bit_if(status_.plc_lost, StateBit::kPlcHeartbeatLost) |
       bit_if(simulated_, StateBit::kSimulated));
+}
+
+modbus::AnswerRegisters ModbusLink::registers() const {
+  const std::lock_guard lock(publish_mutex_);
+  return registers_;
 }
 
 void ModbusLink::publish() {

@@ -33,6 +33,8 @@ class ModbusLink final : public StationSink {
 
   // What the command registers' flange pose is read for; may change with a reload.
   void set_flange_needed(bool needed) { flange_needed_.store(needed, std::memory_order_relaxed); }
+  // As published last.
+  modbus::AnswerRegisters registers() const;
   int port() const { return server_.port(); }
   const modbus::Server& server() const { return server_; }
 
@@ -53,7 +55,7 @@ class ModbusLink final : public StationSink {
   const SensorSession* session_ = nullptr;
   std::atomic<bool> flange_needed_;
 
-  std::mutex publish_mutex_;  // the cycle's thread and this link's publish
+  mutable std::mutex publish_mutex_;  // the cycle's thread and this link's publish
   modbus::AnswerSnapshot answer_;
   modbus::AnswerRegisters registers_{};
   std::int64_t capture_ns_ = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "modbus/answer.hpp"
+#include "recorder/depth_codes.hpp"
 
 namespace binpick::app {
 namespace {
@@ -219,6 +220,7 @@ StationState Cycle::grab() {
     return end(cause);
   }
   frame_ = std::move(grabbed).value();
+  quantize_depth(frame_.slot());
   const Frame& frame = frame_.frame();
   result_.capture_ns = frame.capture_ns != 0 ? frame.capture_ns : after_ns;
   const auto wall = std::chrono::system_clock::now().time_since_epoch();

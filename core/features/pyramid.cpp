@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "base/arena_plan.hpp"
+#include "binpick/base/arena_plan.hpp"
 #include "features/orientation.hpp"
 #include "features/surface_slope.hpp"
 

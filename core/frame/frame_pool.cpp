@@ -2,7 +2,7 @@
 
 #include <bit>
 
-#include "base/arena_plan.hpp"
+#include "binpick/base/arena_plan.hpp"
 
 namespace binpick {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/arena_plan.hpp"
+#include "binpick/base/arena_plan.hpp"
 #include "pose/view_lookup.hpp"
 
 namespace binpick {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/arena_plan.hpp"
+#include "binpick/base/arena_plan.hpp"
 #include "search/distance_gate.hpp"
 
 namespace binpick {

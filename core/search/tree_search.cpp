@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/arena_plan.hpp"
 #include "base/stopwatch.hpp"
+#include "binpick/base/arena_plan.hpp"
 
 namespace binpick {
 namespace {

@@ -63,6 +63,13 @@ void depth_rows_32f(const PayloadPart& part, const Scan3d& scan3d, float* depth_
   }
 }
 
+// Of a 16-bit image of z; 0 where the depths are no multiples of one number.
+double depth_scale_mm(PixelFormat format, const Scan3d& scan3d) {
+  const bool codes = format != PixelFormat::kCoord3dC32f && scan3d.kind == DepthKind::kZ;
+  const double scale_mm = scan3d.c.scale * scan3d.mm_per_unit;
+  return codes && scan3d.c.offset == 0 && scale_mm > 0 ? scale_mm : 0;
+}
+
 }  // namespace
 
 PayloadConverter::PayloadConverter(const PayloadParams& params) : params_(params) {
@@ -140,6 +147,7 @@ DropReason PayloadConverter::convert(std::span<const PayloadPart> parts, const S
     depth_rows_16(*depth, table_, depth_mm);
   }
   if (confidence != nullptr) drop_unsure(*confidence, depth_mm);
+  slot.frame.depth_scale_mm = grid ? 0 : depth_scale_mm(depth->format, scan3d);
   if (!on_rays) project_points(*depth, scan3d, with_intensity, slot);
 
   slot.frame.depth_mm = {depth_mm, width, height, width};

@@ -76,6 +76,7 @@ Frame LoadedFrame::view() const {
   if (!intensity.empty())
     frame.intensity = {intensity.data(), camera.width, camera.height, camera.width};
   frame.camera = camera;
+  frame.depth_scale_mm = depth_scale_mm;
   frame.roi = roi;
   return frame;
 }
@@ -90,6 +91,7 @@ LoadedFrame load_frame_files(const std::string& depth_path, const std::string& i
   LoadedFrame frame;
   frame.camera = camera.intrinsics;
   frame.roi = camera.roi;
+  frame.depth_scale_mm = *camera.depth_scale;
   if ((camera.intrinsics.width != 0 && camera.intrinsics.width != depth.width) ||
       (camera.intrinsics.height != 0 && camera.intrinsics.height != depth.height)) {
     throw DatasetError(depth_path + ": is " + size_text(depth.width, depth.height) +

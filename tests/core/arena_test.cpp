@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "base/arena_plan.hpp"
+#include "binpick/base/arena_plan.hpp"
 
 namespace binpick {
 namespace {

@@ -61,6 +61,29 @@ TEST(Payload, NegativeDepthAndOtherUnitsOfLength) {
   EXPECT_THAT(c.depth(), ElementsAre(0, FloatEq(1000)));
 }
 
+TEST(Payload, FramesSayWhetherTheirDepthsAreCodes) {
+  Conversion c(2, 1);
+  const auto scale_of = [&](PixelFormat format, const Scan3d& scan3d,
+                            const std::vector<std::uint8_t>& bytes) {
+    EXPECT_EQ(c.run({part_of(PartRole::kDepth, format, 2, 1, bytes)}, scan3d), DropReason::kNone);
+    return c.frame.frame().depth_scale_mm;
+  };
+  const auto codes = bytes_of(U16{0, 4000});
+  Scan3d scan3d = millimetres();
+  scan3d.c.scale = 0.25;
+  EXPECT_EQ(scale_of(PixelFormat::kCoord3dC16, scan3d, codes), 0.25);
+  scan3d.mm_per_unit = 10;
+  EXPECT_EQ(scale_of(PixelFormat::kMono16, scan3d, codes), 2.5);
+  EXPECT_EQ(scale_of(PixelFormat::kCoord3dC32f, scan3d, bytes_of(F32{1, 2})), 0);
+  scan3d.c.offset = 1;
+  EXPECT_EQ(scale_of(PixelFormat::kCoord3dC16, scan3d, codes), 0);
+  scan3d.c.offset = 0;
+  scan3d.kind = DepthKind::kDisparity;
+  scan3d.baseline_mm = 65;
+  scan3d.focal_length_px = 1000;
+  EXPECT_EQ(scale_of(PixelFormat::kCoord3dC16, scan3d, codes), 0);
+}
+
 TEST(Payload, DisparityIsFocalLengthTimesBaselineOverDisparity) {
   Conversion c(4, 1);
   Scan3d scan3d = millimetres(1000);

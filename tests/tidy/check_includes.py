@@ -21,11 +21,11 @@ LIBRARIES = {  # first part of the path -> library
     "Eigen": "Eigen", "hwy": "Highway", "assimp": "assimp", "GL": "OSMesa",
     "opencv2": "OpenCV", "nlohmann": "nlohmann", "CLI": "CLI11", "gtest": "GoogleTest",
     "gmock": "GoogleTest", "arv.h": "Aravis", "libusb.h": "libusb", "toml++": "tomlplusplus",
-    "modbus.h": "libmodbus",
+    "modbus.h": "libmodbus", "zlib.h": "zlib",
 }
 POSIX = ("sys", "unistd.h", "fcntl.h", "pthread.h", "signal.h", "poll.h", "dirent.h", "errno.h",
          "time.h", "sched.h", "dlfcn.h", "arpa", "netinet", "spawn.h", "stdio.h", "stdlib.h",
-         "ifaddrs.h", "malloc.h")
+         "ifaddrs.h", "malloc.h", "semaphore.h")
 # Core prints nothing, opens nothing, starts nothing and reads no clock.
 NOT_IN_CORE = {
     "iostream", "istream", "ostream", "fstream", "sstream", "strstream", "iomanip", "ios", "iosfwd",
@@ -39,7 +39,8 @@ ALLOWED_LIBRARIES = {
     "core": {"std", "Eigen", "Highway"},
     "train": {"std", "POSIX", "Eigen", "assimp", "OSMesa"},
     "drivers": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "Aravis", "libusb"},
-    "app": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "CLI11", "tomlplusplus", "libmodbus"},
+    "app": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "CLI11", "tomlplusplus", "libmodbus",
+            "zlib"},
 }
 ALLOWED_AREAS = {
     "core": {"core"},

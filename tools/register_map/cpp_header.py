@@ -1,5 +1,7 @@
 """The map as C++ constants: numbers and enumerations, no code."""
 
+from map_model import WORDS
+
 
 def camel(name):
     return "".join(part[:1].upper() + part[1:] for part in name.split("_"))
@@ -56,11 +58,32 @@ def name_lines(name, values):
         for entry in values] + ["};", ""]
 
 
+def answer_lines(register_map):
+    """All registers of the answer with their names, for comparing answers."""
+    found = []
+    for register in register_map["block"]["answer"]["registers"]:
+        found.append((register["address"], register["name"], register))
+    picks = register_map["picks"]
+    for number in range(picks["count"]):
+        for register in picks["registers"]:
+            found.append((picks["start"] + number * picks["size"] + register["offset"],
+                          f"pick_{number + 1}_{register['name']}", register))
+    lines = ["// The answer's registers. varies: says when or in which order something happened, so it",
+             "// differs from one run to the next.",
+             "inline constexpr NamedRegister kAnswerRegisters[] = {"]
+    for address, name, register in sorted(found, key=lambda entry: entry[0]):
+        varies = "true" if register.get("varies") else "false"
+        lines.append(f'    {{{address}, {WORDS[register["type"]]}, "{name}", {varies}}},')
+    return lines + ["};", ""]
+
+
 def text(register_map):
     lines = [
         "// Made by tools/register_map from firmware-config/modbus/register-map.toml: change that.",
         "#pragma once", "", "#include <cstdint>", "", "namespace binpick::modbus::map {", "",
-        "struct NamedValue {", "  std::uint16_t value;", "  const char* name;", "};", "",
+        "struct NamedValue {", "  std::uint16_t value;", "  const char* name;", "};",
+        "struct NamedRegister {", "  int address, words;", "  const char* name;",
+        "  bool varies;", "};", "",
         constant("version", register_map["version"]),
         constant("checksum", register_map["checksum"]), ""]
     for name, block in register_map["block"].items():
@@ -71,6 +94,7 @@ def text(register_map):
     for name, entries in register_map["bits"].items():
         kind = f"{name}_bit"
         lines += enum_lines(kind, entries["values"], "bit") + name_lines(kind, entries["values"])
+    lines += answer_lines(register_map)
     end = max(b["start"] + b["count"] for b in register_map["block"].values())
     lines += ["// All registers, gaps included.", constant("end", end), "",
               "}  // namespace binpick::modbus::map"]

@@ -30,7 +30,8 @@ def check_fields(where, register, place):
     for field in (place, "name", "type", "unit", "scale", "text"):
         require(field in register, f"{where}: a register has no {field}")
     name = register["name"]
-    known = (place, "name", "type", "unit", "scale", "access", "text", "list", "bits", "constant")
+    known = (place, "name", "type", "unit", "scale", "access", "text", "list", "bits", "constant",
+             "varies")
     for field in register:
         require(field in known, f"{where}.{name}: unknown field {field}")
     require(NAME.match(name), f"{where}.{name}: a name is of a-z, 0-9 and _")

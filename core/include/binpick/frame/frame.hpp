@@ -21,6 +21,9 @@ struct Frame {
   ImageView<const float> depth_mm;
   // 8-bit gray, same size as the depth. Empty where the sensor has none.
   ImageView<const std::uint8_t> intensity;
+  // Where every depth is a whole number up to 65535 times this, rounded to float: the frame can be
+  // kept in a 16-bit image without loss. 0: depths are any numbers.
+  double depth_scale_mm = 0;
   CameraIntrinsics camera;
   Roi roi;
   // When the frame's first byte reached this host, on its monotonic clock; 0: not known.

@@ -37,6 +37,7 @@ struct LoadedFrame {
   std::vector<float> depth_mm;
   std::vector<std::uint8_t> intensity;
   CameraIntrinsics camera;  // width and height are those of the images
+  double depth_scale_mm = 0;
   Roi roi;
 
   // Borrows from this object: valid while it lives and is not moved from.

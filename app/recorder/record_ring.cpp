@@ -1,0 +1,150 @@
+#include "recorder/record_ring.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "binpick/base/arena_plan.hpp"
+#include "recorder/depth_codes.hpp"
+
+namespace binpick::app {
+namespace {
+
+struct Pixels {
+  std::span<std::uint16_t> depth_codes;
+  std::span<std::uint8_t> intensity;
+};
+
+template <class Memory>
+Pixels take_pixels(Memory& memory, const RecordRingParams& params) {
+  const auto count =
+      static_cast<std::size_t>(params.width_max) * static_cast<std::size_t>(params.height_max);
+  return {memory.template take<std::uint16_t>(count), memory.template take<std::uint8_t>(count)};
+}
+
+int copy_registers(std::span<const std::uint16_t> from, std::span<std::uint16_t> to) {
+  BINPICK_ASSERT(from.size() <= to.size());
+  std::copy(from.begin(), from.end(), to.begin());
+  return static_cast<int>(from.size());
+}
+
+}  // namespace
+
+std::size_t RecordRing::footprint(const RecordRingParams& params) {
+  ArenaPlan plan;
+  for (int i = 0; i < params.slot_count; ++i) take_pixels(plan, params);
+  return plan.bytes;
+}
+
+RecordRing::RecordRing(const RecordRingParams& params, Arena& arena)
+    : slot_count_(params.slot_count) {
+  BINPICK_ASSERT(slot_count_ >= 2 && slot_count_ <= kSlotsMax);
+  for (int i = 0; i < slot_count_; ++i) {
+    const Pixels pixels = take_pixels(arena, params);
+    slots_[static_cast<std::size_t>(i)].record.depth_codes = pixels.depth_codes;
+    slots_[static_cast<std::size_t>(i)].record.intensity = pixels.intensity;
+  }
+}
+
+// The writer holds at most one slot, so there is always another one; each time that a claim fails
+// the writer has just taken or given back a slot.
+RecordRing::Slot& RecordRing::claim_oldest() {
+  for (;;) {
+    Slot* oldest = nullptr;
+    auto state = State::kFree;
+    auto oldest_order = std::numeric_limits<std::uint64_t>::max();
+    for (Slot& slot : std::span(slots_).first(static_cast<std::size_t>(slot_count_))) {
+      const State now = slot.state.load(std::memory_order_acquire);
+      // What was written goes first, whatever its age.
+      const std::uint64_t order =
+          now == State::kFree ? 0 : slot.order.load(std::memory_order_relaxed);
+      if (now == State::kTaken || order >= oldest_order) continue;
+      oldest = &slot;
+      state = now;
+      oldest_order = order;
+    }
+    if (oldest == nullptr) continue;
+    if (!oldest->state.compare_exchange_strong(state, State::kFilling, std::memory_order_acquire))
+      continue;
+    if (state == State::kWanted) overwritten_.fetch_add(1, std::memory_order_relaxed);
+    return *oldest;
+  }
+}
+
+void RecordRing::copy(const CycleRecord& record, KeptRecord& kept) {
+  kept.cycle = record.cycle;
+  kept.unix_ns = record.unix_ns;
+  kept.cause = record.cause;
+  kept.cause_name = record.cause_name;
+  kept.fault = record.fault;
+  kept.command_count = copy_registers(record.command, kept.command);
+  kept.answer_count = copy_registers(record.answer, kept.answer);
+  const std::size_t times = std::min(record.times.size(), kept.times.size());
+  std::copy_n(record.times.begin(), times, kept.times.begin());
+  kept.time_count = static_cast<int>(times);
+  kept.frame = Frame{};
+  if (record.frame == nullptr) return;
+  const Frame& frame = *record.frame;
+  const auto width = static_cast<std::size_t>(frame.depth_mm.width);
+  const auto height = static_cast<std::size_t>(frame.depth_mm.height);
+  if (frame.depth_mm.empty() || width * height > kept.depth_codes.size()) {
+    too_large_.fetch_add(1, std::memory_order_relaxed);
+    return;
+  }
+  kept.frame = frame;
+  kept.frame.depth_mm = {};
+  kept.frame.intensity = {};
+  kept.frame.camera.width = frame.depth_mm.width;
+  kept.frame.camera.height = frame.depth_mm.height;
+  if (frame.depth_scale_mm <= 0) kept.frame.depth_scale_mm = kDepthStep_mm;
+  depth_codes(frame, kept.frame.depth_scale_mm, kept.depth_codes.first(width * height));
+  kept.has_intensity = !frame.intensity.empty();
+  for (int y = 0; kept.has_intensity && y < frame.intensity.height; ++y)
+    std::copy_n(frame.intensity.row(y), width,
+                kept.intensity.data() + static_cast<std::size_t>(y) * width);
+}
+
+void RecordRing::put(const CycleRecord& record, int configuration, bool wanted) {
+  Slot& slot = claim_oldest();
+  copy(record, slot.record);
+  slot.record.configuration = configuration;
+  slot.record.order = ++order_;
+  slot.order.store(order_, std::memory_order_relaxed);
+  slot.state.store(wanted ? State::kWanted : State::kKept, std::memory_order_release);
+}
+
+void RecordRing::want_all() {
+  for (Slot& slot : std::span(slots_).first(static_cast<std::size_t>(slot_count_))) {
+    State kept = State::kKept;
+    slot.state.compare_exchange_strong(kept, State::kWanted, std::memory_order_acq_rel);
+  }
+}
+
+const KeptRecord* RecordRing::take() {
+  for (;;) {
+    Slot* oldest = nullptr;
+    auto oldest_order = std::numeric_limits<std::uint64_t>::max();
+    for (Slot& slot : std::span(slots_).first(static_cast<std::size_t>(slot_count_))) {
+      if (slot.state.load(std::memory_order_acquire) != State::kWanted) continue;
+      const std::uint64_t order = slot.order.load(std::memory_order_relaxed);
+      if (order >= oldest_order) continue;
+      oldest = &slot;
+      oldest_order = order;
+    }
+    if (oldest == nullptr) return nullptr;
+    State wanted = State::kWanted;
+    if (oldest->state.compare_exchange_strong(wanted, State::kTaken, std::memory_order_acq_rel))
+      return &oldest->record;
+  }
+}
+
+void RecordRing::give_back(const KeptRecord* record) {
+  for (Slot& slot : std::span(slots_).first(static_cast<std::size_t>(slot_count_))) {
+    if (&slot.record != record) continue;
+    BINPICK_ASSERT(slot.state.load(std::memory_order_relaxed) == State::kTaken);
+    slot.state.store(State::kFree, std::memory_order_release);
+    return;
+  }
+  BINPICK_ASSERT(false);
+}
+
+}  // namespace binpick::app

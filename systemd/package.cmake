@@ -1,0 +1,23 @@
+# The Debian package: cpack -G DEB in the build folder, after a build of release.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME binpick)
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGE_CONTACT "binpick maintainers <maintainers@binpick.invalid>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Bin-picking vision station")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
+  "Bin-picking vision station
+ Learns parts from their CAD files, finds their 6D poses in a pile with an industrial 3D sensor, and
+ hands ranked picks to a PLC or robot over Modbus TCP. A daemon, binpickd, and a command line,
+ binpick.")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "systemd | systemd-standalone-sysusers, init-system-helpers")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "udev")
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
+  ${CMAKE_CURRENT_LIST_DIR}/debian/postinst ${CMAKE_CURRENT_LIST_DIR}/debian/prerm
+  ${CMAKE_CURRENT_LIST_DIR}/debian/postrm)
+include(CPack)
