@@ -70,6 +70,26 @@ bool SensorSession::pause(std::chrono::milliseconds time) {
   return !to_worker_.wait_for(lock, time, [&] { return end_; });
 }
 
+void SensorSession::retry_now() {
+  {
+    const std::lock_guard lock(mutex_);
+    retry_ = true;
+  }
+  to_worker_.notify_all();
+}
+
+void SensorSession::recover() {
+  std::string error;
+  try {
+    params_.recover();
+  } catch (const std::exception& e) {
+    error = e.what();
+  }
+  const std::lock_guard lock(mutex_);
+  if (error.empty()) ++status_.recoveries;
+  status_.last_recovery_error = std::move(error);
+}
+
 void SensorSession::set_state(SessionState state) {
   {
     const std::lock_guard lock(mutex_);
@@ -118,9 +138,13 @@ std::unique_ptr<drivers::Camera> SensorSession::connect() {
       note_failure(e.what());
     }
     ++failures;
-    if (params_.recover && failures % params_.failures_before_recovery == 0) params_.recover();
-    if (!pause(backoff)) break;
-    backoff = std::min(2 * backoff, params_.backoff_max);
+    if (params_.recover && failures % params_.failures_before_recovery == 0) recover();
+    std::unique_lock lock(mutex_);
+    // An arrival while the attempt before it was failing counts too.
+    const bool called =
+        to_worker_.wait_for(lock, backoff, [&] { return end_ || retry_; }) && retry_;
+    retry_ = false;
+    backoff = called ? params_.backoff_first : std::min(2 * backoff, params_.backoff_max);
   }
   return nullptr;
 }

@@ -26,7 +26,7 @@ struct SessionParams {
   // Pauses between attempts to open: the first, doubled up to the longest.
   std::chrono::milliseconds backoff_first{50}, backoff_max{400};
   // Called on the worker after so many failed attempts in a row, and after as many again: the last
-  // resort, such as a reset of the USB port.
+  // resort, such as a reset of the USB port. What it throws is noted.
   int failures_before_recovery = 5;
   std::function<void()> recover;
 };
@@ -39,10 +39,12 @@ struct SessionStatus {
   std::uint64_t opened = 0;         // connections made
   std::uint64_t losses = 0;         // connections lost
   std::uint64_t open_failures = 0;  // attempts
+  std::uint64_t recoveries = 0;     // of those that went well
   std::uint64_t retriggers = 0;     // a frame was dropped and asked for again
   std::uint64_t late_frames = 0;    // came when nobody waited any more
   drivers::CameraCounters camera;   // summed over all connections
   std::string last_error;           // of opening; empty: none yet
+  std::string last_recovery_error;
 };
 
 class SensorSession {
@@ -62,6 +64,8 @@ class SensorSession {
   Result<FrameRef> grab(TimePoint deadline);
   // False when the sensor is not ready by then.
   bool wait_ready(TimePoint deadline);
+  // The sensor is likely to be there again: ends the pause before the next attempt to open it.
+  void retry_now();
   SessionStatus status() const;
   SessionState state() const;  // of status(), without allocation
 
@@ -75,6 +79,7 @@ class SensorSession {
   void post(std::uint64_t request, Result<FrameRef> result);
   void set_state(SessionState state);
   void note_failure(const char* message);
+  void recover();
   bool pause(std::chrono::milliseconds time);  // false when the session ends
   bool ending() const;
 
@@ -85,6 +90,7 @@ class SensorSession {
   mutable std::mutex mutex_;
   std::condition_variable to_worker_, to_callers_;
   bool end_ = false;
+  bool retry_ = false;                          // asked for, and not yet done
   std::uint64_t requested_ = 0, answered_ = 0;  // numbers of grabs
   bool request_open_ = false;                   // somebody still waits for `requested_`
   std::optional<Result<FrameRef>> answer_;

@@ -1,40 +1,53 @@
 #include "aravis/connection.hpp"
 
+#include <mutex>
 #include <string_view>
 
 #include "binpick/drivers/camera.hpp"
+#include "binpick/drivers/usb_bus.hpp"
 
 namespace binpick::drivers {
 namespace {
 
 constexpr std::string_view kSerial = "serial/";
 
-// What Aravis calls the device with this serial number. Looks at the whole network: a second.
-std::string device_id_of(const std::string& uri, std::string_view serial, bool usb) {
-  arv_update_device_list();
-  for (unsigned i = 0; i < arv_get_n_devices(); ++i) {
-    const char* found = arv_get_device_serial_nbr(i);
-    const char* protocol = arv_get_device_protocol(i);
-    if (found == nullptr || protocol == nullptr || serial != found) continue;
-    if (std::string_view(protocol) == (usb ? "USB3Vision" : "GigEVision"))
-      return arv_get_device_id(i);
+// What Aravis calls the device with this serial number. Looks at the whole network, which takes a
+// second, or at the whole USB bus, which takes no time.
+std::string device_id_of(ArvInterface* interface, const std::string& uri, std::string_view serial) {
+  arv_interface_update_device_list(interface);
+  for (unsigned i = 0; i < arv_interface_get_n_devices(interface); ++i) {
+    const char* found = arv_interface_get_device_serial_nbr(interface, i);
+    if (found != nullptr && serial == found) return arv_interface_get_device_id(interface, i);
   }
-  throw SensorError(uri + ": no sensor with this serial number was found");
+  // One on the bus that may not be opened is not in the list.
+  const std::string fault =
+      ARV_IS_UV_INTERFACE(interface) ? usb_access_fault(std::string(serial)) : "";
+  throw SensorError(uri + ": " +
+                    (fault.empty() ? "no sensor with this serial number was found" : fault));
 }
 
 }  // namespace
+
+std::mutex& sensor_list_mutex(bool usb) {
+  static std::mutex network, bus;
+  return usb ? bus : network;
+}
 
 GObjectPtr<ArvCamera> connect_sensor(const std::string& uri) {
   const bool usb = uri.starts_with("u3v://");
   const std::string_view place = std::string_view(uri).substr(6);
   std::string id(place);
+  ArvInterface* interface = usb ? arv_uv_interface_get_instance() : arv_gv_interface_get_instance();
+  const std::lock_guard lock(sensor_list_mutex(usb));
   if (place.starts_with(kSerial)) {
-    id = device_id_of(uri, place.substr(kSerial.size()), usb);
+    id = device_id_of(interface, uri, place.substr(kSerial.size()));
   } else if (usb) {
     throw SensorError(uri + ": expected u3v://serial/NUMBER");
   }
   CaughtError error;
-  GObjectPtr<ArvCamera> camera(arv_camera_new(id.c_str(), error.out()));
+  const GObjectPtr<ArvDevice> device(arv_interface_open_device(interface, id.c_str(), error.out()));
+  GObjectPtr<ArvCamera> camera(device ? arv_camera_new_with_device(device.get(), error.out())
+                                      : nullptr);
   if (!camera) {
     throw SensorError(uri + ": cannot be opened" +
                       (error ? std::string(" (") + error.message() + ")" : std::string()));

@@ -1,6 +1,7 @@
 // A sensor found by its URI and connected.
 #pragma once
 
+#include <mutex>
 #include <string>
 
 #include "aravis/gobject_ptr.hpp"
@@ -9,5 +10,8 @@ namespace binpick::drivers {
 
 // gev://ADDRESS, gev://serial/NUMBER, u3v://serial/NUMBER. Throws SensorError that names the URI.
 GObjectPtr<ArvCamera> connect_sensor(const std::string& uri);
+
+// Aravis' lists of sensors on the network and on the USB bus: one user at a time each.
+std::mutex& sensor_list_mutex(bool usb);
 
 }  // namespace binpick::drivers

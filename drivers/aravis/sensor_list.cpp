@@ -63,6 +63,7 @@ std::string host_address_of(ArvCamera* camera) {
 }  // namespace
 
 std::vector<SensorEntry> list_sensors() {
+  const std::scoped_lock lock(sensor_list_mutex(false), sensor_list_mutex(true));
   arv_update_device_list();
   std::vector<SensorEntry> sensors;
   for (unsigned i = 0; i < arv_get_n_devices(); ++i) {

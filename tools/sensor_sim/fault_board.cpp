@@ -25,6 +25,7 @@ constexpr FaultKind kKinds[kFaultCount] = {
     {"wrong-trailer", kAtUsb3, 1, "P: what ends a frame is no trailer"},
     {"trailer-status", kAtUsb3, 1, "P: a frame's trailer says that data were discarded"},
     {"frozen", kAtBoth, 1, "0|1: answers nothing and sends nothing, as with the cable pulled"},
+    {"hung", kAtUsb3, 1, "0|1: answers nothing; a reset of its port ends it"},
     {"stall", kAtUsb3, 1, "0|1: the stream's endpoint is halted; clearing the halt ends it"},
     {"refuse", kAtBoth, 1, "0|1: refuses control and every write"},
     {"stop-stream", kAtBoth, 1, "0|1: makes no frames; commands are answered"},

@@ -30,6 +30,7 @@ enum Fault : int {
   kTrailerStatus,
   // Switches.
   kFrozen,
+  kHung,
   kStall,
   kRefuse,
   kStopStream,

@@ -33,6 +33,7 @@ struct Options {
   std::string payload = "abcy16";
   double fps = 10;
   bool once = false, chunks = false, usb2 = false;
+  int usbfs_memory_mib = 16;
   std::uint64_t seed = 1;
   std::string control;
   std::vector<std::string> faults, false_values;
@@ -82,6 +83,10 @@ void add_options(CLI::App& app, Options& o) {
   app.add_flag("--once,!--loop", o.once, "Show each image once; else they are looped");
   app.add_flag("--chunks", o.chunks, "Chunk mode active at start");
   app.add_flag("--usb2", o.usb2, "Sit in a port of USB 2, as the wrong cable makes it");
+  app.add_option("--usbfs-memory-mb", o.usbfs_memory_mib,
+                 "What the kernel lends for USB transfers, MiB; 0: no limit")
+      ->check(CLI::Range(0, 65536))
+      ->capture_default_str();
   app.add_option("--seed", o.seed, "Of the faults' dice")->capture_default_str();
   app.add_option("--control", o.control, "Unix socket to take lines from");
   app.add_option("--fault", o.faults, "NAME=VALUE, at start; repeat for more");
@@ -104,7 +109,7 @@ class Simulator {
         faults_(kAtUsb3),
         device_(sensor_, faults_, {o.name, o.usb2, !o.once, o.seed}),
         usbfs_(device_, faults_, o.name),
-        bed_(usbfs_, o.usb2),
+        bed_(usbfs_, {o.name, o.usb2, o.usbfs_memory_mib}),
         control_(o.control, [this](const std::string& line) { return handle(line); }) {
     for (const std::string& fault : o.faults) {
       const auto [name, value] = split(fault);
@@ -159,7 +164,7 @@ class Simulator {
     std::ostringstream text;
     text << "ok frames=" << device_.acquisition().frames_made()
          << " dropped=" << device_.frames_dropped() << " plugged=" << bed_.plugged()
-         << " acquiring=" << sensor_.acquiring();
+         << " acquiring=" << sensor_.acquiring() << " resets=" << usbfs_.resets();
     if (!faults_.text().empty()) text << " faults: " << faults_.text();
     return text.str();
   }

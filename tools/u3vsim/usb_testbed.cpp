@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <stdexcept>
 #include <vector>
 
@@ -40,7 +42,8 @@ std::string node_path(bool usb2, int device_number) {
 }
 
 std::string device_text(const std::string& path, bool usb2, int device_number,
-                        const std::vector<std::uint8_t>& descriptors, const char* speed) {
+                        const std::vector<std::uint8_t>& descriptors,
+                        const std::string& more_attributes) {
   const std::string node = node_path(usb2, device_number);
   const std::string bus = std::to_string(bus_number(usb2));
   const std::string number = std::to_string(device_number);
@@ -49,19 +52,32 @@ std::string device_text(const std::string& path, bool usb2, int device_number,
          "\nE: DEVTYPE=usb_device\nE: SUBSYSTEM=usb\nE: BUSNUM=" + bus + "\nE: DEVNUM=" + number +
          "\nE: MAJOR=189\nE: MINOR=" + std::to_string(minor) +
          "\nA: dev=189:" + std::to_string(minor) + "\\n\nA: busnum=" + bus +
-         "\\n\nA: devnum=" + number + "\\n\nA: speed=" + speed +
-         "\\n\nA: bConfigurationValue=1\\n\nH: descriptors=" + hex(descriptors) + "\n\n";
+         "\\n\nA: devnum=" + number + "\\n\nA: speed=" + (usb2 ? "480" : "5000") +
+         "\\n\nA: bConfigurationValue=1\\n\n" + more_attributes +
+         "H: descriptors=" + hex(descriptors) + "\n\n";
+}
+
+// What the kernel keeps of a device's strings.
+std::string name_attributes(const SensorName& name) {
+  return "A: manufacturer=" + name.vendor + "\\n\nA: product=" + name.model +
+         "\\n\nA: serial=" + name.serial + "\\n\n";
+}
+
+void write_memory_limit(const std::string& testbed, int limit_mib) {
+  const std::string folder = testbed + "/sys/module/usbcore/parameters";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder + "/usbfs_memory_mb") << limit_mib << "\n";
 }
 
 }  // namespace
 
-UsbTestbed::UsbTestbed(UsbfsEmulation& camera, bool usb2)
-    : camera_(camera), usb2_(usb2), bed_(umockdev_testbed_new()) {
+UsbTestbed::UsbTestbed(UsbfsEmulation& camera, const UsbBusOptions& options)
+    : camera_(camera), name_(options.name), usb2_(options.usb2), bed_(umockdev_testbed_new()) {
   gchar* folder = umockdev_testbed_get_root_dir(bed_);
   folder_ = folder;
   g_free(folder);
-  add_device(device_text(hub_path(usb2_), usb2_, device_number_, hub_descriptors(usb2_),
-                         usb2_ ? "480" : "5000"));
+  add_device(device_text(hub_path(usb2_), usb2_, device_number_, hub_descriptors(usb2_), ""));
+  write_memory_limit(folder_, options.usbfs_memory_mib);
   plug();
 }
 
@@ -94,7 +110,7 @@ void UsbTestbed::plug() {
     throw std::runtime_error("umockdev: " + reason);
   }
   add_device(device_text(camera_path(usb2_), usb2_, device_number_, camera_descriptors(usb2_),
-                         usb2_ ? "480" : "5000"));
+                         name_attributes(name_)));
   plugged_ = true;  // umockdev has sent the event
 }
 

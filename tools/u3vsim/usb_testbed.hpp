@@ -11,10 +11,16 @@
 
 namespace binpick::sim {
 
+struct UsbBusOptions {
+  SensorName name;            // of the camera
+  bool usb2 = false;          // its port
+  int usbfs_memory_mib = 16;  // what the kernel lends for transfers; 16 is its default
+};
+
 class UsbTestbed {
  public:
   // Throws std::runtime_error when umockdev refuses.
-  UsbTestbed(UsbfsEmulation& camera, bool usb2);
+  UsbTestbed(UsbfsEmulation& camera, const UsbBusOptions& options);
   ~UsbTestbed();
   UsbTestbed(const UsbTestbed&) = delete;
   UsbTestbed& operator=(const UsbTestbed&) = delete;
@@ -29,6 +35,7 @@ class UsbTestbed {
   void add_device(const std::string& text);
 
   UsbfsEmulation& camera_;
+  const SensorName name_;
   const bool usb2_;
   UMockdevTestbed* bed_;
   std::string folder_;

@@ -31,6 +31,16 @@ void complete(UMockdevIoctlClient* client, long result, int error) {
   umockdev_ioctl_client_complete(client, result, error);
 }
 
+// The unsigned that the argument points to; a number that no interface has when there is none.
+unsigned number_at(UMockdevIoctlData* argument) {
+  unsigned number = ~0u;
+  if (UMockdevIoctlData* data = umockdev_ioctl_data_resolve(argument, 0, sizeof number, nullptr)) {
+    std::memcpy(&number, data->data, sizeof number);
+    g_object_unref(data);
+  }
+  return number;
+}
+
 constexpr std::uint8_t kGetDescriptor = 6;
 constexpr std::uint8_t kStringDescriptor = 3;
 constexpr std::size_t kSetup = 8;  // bytes before the data of a control transfer
@@ -45,7 +55,7 @@ UsbfsEmulation::UsbfsEmulation(U3vDevice& device, FaultBoard& faults, const Sens
 
 UsbfsEmulation::~UsbfsEmulation() {
   g_signal_handlers_disconnect_by_data(handler_, this);
-  drop_all();
+  drop(nullptr);
   g_object_unref(handler_);
 }
 
@@ -53,21 +63,32 @@ gboolean UsbfsEmulation::on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* clien
   return static_cast<UsbfsEmulation*>(self)->handle(client) ? TRUE : FALSE;
 }
 
-void UsbfsEmulation::on_vanished(UMockdevIoctlBase*, UMockdevIoctlClient*, void* self) {
-  static_cast<UsbfsEmulation*>(self)->drop_all();
+void UsbfsEmulation::on_vanished(UMockdevIoctlBase*, UMockdevIoctlClient* client, void* self) {
+  static_cast<UsbfsEmulation*>(self)->drop(client);
 }
 
-void UsbfsEmulation::drop_all() {
-  for (const Urb& urb : urbs_) {
+void UsbfsEmulation::drop(UMockdevIoctlClient* client) {
+  std::erase_if(urbs_, [client](const Urb& urb) {
+    if (client != nullptr && urb.client != client) return false;
     if (urb.buffer != nullptr) g_object_unref(urb.buffer);
     g_object_unref(urb.data);
-  }
-  urbs_.clear();
+    return true;
+  });
+  std::erase_if(
+      claims_, [client](const auto& claim) { return client == nullptr || claim.second == client; });
+}
+
+void UsbfsEmulation::claim(UMockdevIoctlClient* client, unsigned interface) {
+  const auto holder = claims_.try_emplace(interface, client).first->second;
+  if (holder == client) return complete(client, 0, 0);
+  complete(client, -1, EBUSY);
 }
 
 bool UsbfsEmulation::handle(UMockdevIoctlClient* client) {
   const unsigned long request = umockdev_ioctl_client_get_request(client);
   UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
+  // Who held the device that was pulled out does not hold the one that came.
+  if (arrived_.exchange(false)) claims_.clear();
   if (!plugged_ && request != USBDEVFS_REAPURBNDELAY && request != USBDEVFS_REAPURB) {
     complete(client, -1, ENODEV);
     return true;
@@ -89,12 +110,22 @@ bool UsbfsEmulation::handle(UMockdevIoctlClient* client) {
       complete(client, 0, 0);
       return true;
     case USBDEVFS_RESET:
+      ++resets_;
+      faults_.set("hung", "0");
       device_.power_cycle();
       complete(client, 0, 0);
       return true;
+    // Both begin with the interface's number.
     case USBDEVFS_CLAIMINTERFACE:
-    case USBDEVFS_RELEASEINTERFACE:
     case USBDEVFS_DISCONNECT_CLAIM:
+      claim(client, number_at(argument));
+      return true;
+    case USBDEVFS_RELEASEINTERFACE:
+      std::erase_if(claims_, [client, number = number_at(argument)](const auto& claim) {
+        return claim.first == number && claim.second == client;
+      });
+      complete(client, 0, 0);
+      return true;
     case USBDEVFS_SETCONFIGURATION:
     case USBDEVFS_SETINTERFACE:
       complete(client, 0, 0);
@@ -120,7 +151,7 @@ bool UsbfsEmulation::handle(UMockdevIoctlClient* client) {
 bool UsbfsEmulation::submit(UMockdevIoctlClient* client, UMockdevIoctlData* urb_data) {
   if (urb_data == nullptr) return false;
   const usbdevfs_urb* request = urb_of(urb_data);
-  Urb urb{urb_data, nullptr, false};
+  Urb urb{client, urb_data, nullptr, false};
   if (request->buffer_length > 0) {
     urb.buffer = umockdev_ioctl_data_resolve(urb_data, offsetof(usbdevfs_urb, buffer),
                                              static_cast<gsize>(request->buffer_length), nullptr);
@@ -134,7 +165,7 @@ bool UsbfsEmulation::discard(UMockdevIoctlClient* client, UMockdevIoctlData* arg
   unsigned long address = 0;
   std::memcpy(&address, argument->data, sizeof address);
   for (Urb& urb : urbs_) {
-    if (urb.data->client_addr != address || urb.done) continue;
+    if (urb.client != client || urb.data->client_addr != address || urb.done) continue;
     finish(urb, -ENOENT, 0);
     complete(client, 0, 0);
     return true;
@@ -202,10 +233,11 @@ bool UsbfsEmulation::reap(UMockdevIoctlClient* client, UMockdevIoctlData* argume
     for (Urb& urb : urbs_) {
       if (!urb.done) finish(urb, -ESHUTDOWN, 0);
     }
-  } else if (!faults_.on(kFrozen)) {
+  } else if (answers()) {
     advance();
   }
-  auto done = std::find_if(urbs_.begin(), urbs_.end(), [](const Urb& urb) { return urb.done; });
+  const auto is_ready = [client](const Urb& urb) { return urb.done && urb.client == client; };
+  auto done = std::find_if(urbs_.begin(), urbs_.end(), is_ready);
   if (done == urbs_.end() && plugged_) {
     const bool stream_waits = std::any_of(urbs_.begin(), urbs_.end(), [](const Urb& urb) {
       return urb_of(urb.data)->endpoint == kStreamIn;
@@ -215,8 +247,8 @@ bool UsbfsEmulation::reap(UMockdevIoctlClient* client, UMockdevIoctlData* argume
     } else {
       std::this_thread::sleep_for(kReapPause);
     }
-    if (!faults_.on(kFrozen)) advance();
-    done = std::find_if(urbs_.begin(), urbs_.end(), [](const Urb& urb) { return urb.done; });
+    if (answers()) advance();
+    done = std::find_if(urbs_.begin(), urbs_.end(), is_ready);
   }
   if (done == urbs_.end()) {
     complete(client, -1, plugged_ ? EAGAIN : ENODEV);

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <vector>
 
 #include "u3v_device.hpp"
@@ -23,13 +24,19 @@ class UsbfsEmulation {
 
   UMockdevIoctlBase* handler() { return handler_; }
   // Without it every call fails as the kernel's do for a device that was pulled out.
-  void set_plugged(bool plugged) { plugged_ = plugged; }
+  void set_plugged(bool plugged) {
+    if (plugged) arrived_ = true;
+    plugged_ = plugged;
+  }
+  // Of the port, by hosts.
+  std::uint64_t resets() const { return resets_; }
 
  private:
   // A request that was submitted and not yet reaped.
   struct Urb {
-    UMockdevIoctlData* data;    // the usbdevfs_urb; owned
-    UMockdevIoctlData* buffer;  // owned; nullptr when it has none
+    UMockdevIoctlClient* client;  // whose open node it came through; not owned
+    UMockdevIoctlData* data;      // the usbdevfs_urb; owned
+    UMockdevIoctlData* buffer;    // owned; nullptr when it has none
     bool done;
   };
   static gboolean on_ioctl(UMockdevIoctlBase* base, UMockdevIoctlClient* client, void* self);
@@ -40,15 +47,21 @@ class UsbfsEmulation {
   bool reap(UMockdevIoctlClient* client, UMockdevIoctlData* argument);
   void finish(Urb& urb, int status, std::size_t bytes);
   void control_transfer(Urb& urb);
+  bool answers() const { return !faults_.on(kFrozen) && !faults_.on(kHung); }
   void advance();
-  void drop_all();
+  // What a client has under way and holds; nullptr: of all clients.
+  void drop(UMockdevIoctlClient* client);
+  void claim(UMockdevIoctlClient* client, unsigned interface);
 
   U3vDevice& device_;
   FaultBoard& faults_;
   const SensorName name_;
   UMockdevIoctlBase* handler_;
   std::atomic<bool> plugged_{true};
+  std::atomic<bool> arrived_{false};  // and nobody has asked it anything since
   std::deque<Urb> urbs_;
+  std::map<unsigned, UMockdevIoctlClient*> claims_;  // by interface
+  std::atomic<std::uint64_t> resets_{0};
 };
 
 }  // namespace binpick::sim

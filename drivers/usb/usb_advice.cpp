@@ -1,0 +1,70 @@
+// What is said to people about a sensor's place on the bus; no libusb.
+#include <algorithm>
+#include <bit>
+#include <fstream>
+
+#include "binpick/drivers/usb_bus.hpp"
+
+namespace binpick::drivers {
+namespace {
+
+constexpr const char* kLimitFile = "/sys/module/usbcore/parameters/usbfs_memory_mb";
+constexpr std::size_t kMiB = std::size_t{1} << 20;
+// Leader, trailer and the transfers' own bookkeeping, of each frame.
+constexpr std::size_t kOverheadBytes = 64 << 10;
+
+}  // namespace
+
+const char* usb_speed_name(UsbSpeed speed) {
+  switch (speed) {
+    case UsbSpeed::kLow:
+      return "1.5 Mbit/s";
+    case UsbSpeed::kFull:
+      return "12 Mbit/s";
+    case UsbSpeed::kHigh:
+      return "480 Mbit/s";
+    case UsbSpeed::kSuper:
+      return "5 Gbit/s";
+    case UsbSpeed::kSuperPlus:
+      return "10 Gbit/s";
+    case UsbSpeed::kUnknown:
+      break;
+  }
+  return "unknown speed";
+}
+
+std::vector<std::string> usb_warnings(const UsbSensor& sensor) {
+  std::vector<std::string> warnings;
+  const std::string name = sensor.serial.empty() ? sensor.port : sensor.serial;
+  const bool slow = sensor.speed != UsbSpeed::kUnknown && sensor.speed < UsbSpeed::kSuper;
+  if (slow && sensor.super_speed_capable)
+    warnings.push_back(name + ": a USB 3 sensor runs at " + usb_speed_name(sensor.speed) +
+                       " at port " + sensor.port +
+                       ": use a USB 3 port, and a cable and hubs made for it");
+  if (!sensor.access_fault.empty()) warnings.push_back(name + ": " + sensor.access_fault);
+  if (sensor.serial.empty())
+    warnings.push_back(name + ": the sensor tells no serial number to open it by");
+  return warnings;
+}
+
+long usbfs_memory_limit_mib() {
+  long limit_mib = -1;
+  std::ifstream file(kLimitFile);
+  return file >> limit_mib ? limit_mib : -1;
+}
+
+std::string usbfs_memory_advice(long limit_mib, std::size_t payload_bytes, int buffer_count) {
+  const std::size_t count = static_cast<std::size_t>(std::max(buffer_count, 1));
+  const std::size_t needed_mib = (count * (payload_bytes + kOverheadBytes) + kMiB - 1) / kMiB;
+  if (limit_mib <= 0 || needed_mib <= static_cast<std::size_t>(limit_mib)) return "";
+  // Twice as much, for a second sensor and other programs.
+  const std::string enough = std::to_string(std::bit_ceil(2 * needed_mib));
+  return std::to_string(count) + " frames of " + std::to_string(payload_bytes) +
+         " bytes in flight take " + std::to_string(needed_mib) +
+         " MiB of USB memory, the limit is " + std::to_string(limit_mib) + ": echo " + enough +
+         " > " + kLimitFile +
+         ", for good by the kernel parameter usbcore.usbfs_memory_mb=" + enough +
+         " or firmware-config/tmpfiles/60-binpick-usb.conf";
+}
+
+}  // namespace binpick::drivers
