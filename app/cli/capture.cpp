@@ -35,6 +35,7 @@ int capture(const CaptureArguments& a) {
     // What is wrong with the sensor or its settings is said at once, and before a folder is made.
     const auto camera = drivers::open_camera(spec);
     camera->start(pool);
+    tell_missing_features(*camera);
   }
   FrameWriter writer(a.out, a.depth_scale);
   SessionParams params;

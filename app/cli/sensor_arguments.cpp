@@ -43,6 +43,13 @@ void add_sensor_options(CLI::App& command, SensorArguments& a) {
   command.add_flag("--loop", a.loop, "Recordings: begin anew at the end");
 }
 
+void tell_missing_features(const drivers::Camera& camera) {
+  std::string names;
+  for (const std::string& name : camera.missing_features())
+    names += (names.empty() ? "" : ", ") + name;
+  if (!names.empty()) std::fprintf(stderr, "binpick: the sensor has no %s\n", names.c_str());
+}
+
 drivers::CameraSpec camera_spec_of(const SensorArguments& a) {
   drivers::CameraSpec spec;
   spec.uri = a.uri;

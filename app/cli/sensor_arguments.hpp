@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "binpick/drivers/camera.hpp"
 #include "binpick/drivers/camera_spec.hpp"
 
 namespace CLI {
@@ -27,5 +28,8 @@ drivers::CameraSpec camera_spec_of(const SensorArguments& arguments);
 
 // Where the profiles are that came with this build.
 std::string sensor_profile_folder();
+
+// One line on stderr with what the sensor lacks; nothing where it lacks nothing.
+void tell_missing_features(const drivers::Camera& camera);
 
 }  // namespace binpick::app

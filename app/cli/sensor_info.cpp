@@ -75,6 +75,7 @@ int measure(const SensorArguments& arguments, double seconds, std::size_t payloa
   FramePool pool(size, arena);
   const auto camera = drivers::open_camera(spec);
   camera->start(pool);
+  tell_missing_features(*camera);
   const auto begun = Clock::now();
   const auto end =
       begun + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));

@@ -26,6 +26,24 @@ CameraCounters sum(CameraCounters a, const CameraCounters& b) {
   return a;
 }
 
+// The frame is whole, but not what the sensor was set to when it was opened: somebody changed it
+// since, or its features told something false. Opening it again reads them anew.
+bool unfit(const Error& error) {
+  using drivers::DropReason;
+  if (error.code != ErrorCode::kSensorFrameDropped) return false;
+  switch (static_cast<DropReason>(error.detail)) {
+    case DropReason::kShortPayload:
+    case DropReason::kPartBounds:
+    case DropReason::kSize:
+    case DropReason::kFormat:
+    case DropReason::kNoDepth:
+    case DropReason::kScan3d:
+      return true;
+    default:
+      return false;
+  }
+}
+
 std::int64_t ns_of(Clock::time_point time) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
 }
@@ -131,8 +149,11 @@ std::unique_ptr<drivers::Camera> SensorSession::connect() {
     try {
       std::unique_ptr<drivers::Camera> camera = open_();
       camera->start(pool_);
+      unfit_since_.reset();
+      std::vector<std::string> missing = camera->missing_features();
       const std::lock_guard lock(mutex_);
       camera_ = camera.get();
+      missing_features_ = std::move(missing);
       return camera;
     } catch (const std::exception& e) {
       note_failure(e.what());
@@ -154,6 +175,16 @@ void SensorSession::disconnect(std::unique_ptr<drivers::Camera> camera) {
   const std::lock_guard lock(mutex_);
   closed_ = sum(closed_, camera->counters());
   camera_ = nullptr;
+}
+
+// False when nothing but unfit frames came for two frame deadlines.
+bool SensorSession::fits(const Result<FrameRef>& result) {
+  if (result.ok() || !unfit(result.error())) {
+    if (result.ok()) unfit_since_.reset();
+    return true;
+  }
+  if (!unfit_since_) unfit_since_ = Clock::now();
+  return Clock::now() - *unfit_since_ < 2 * params_.frame_deadline;
 }
 
 // Until the sensor is lost or the session ends.
@@ -193,6 +224,7 @@ bool SensorSession::serve_request(drivers::Camera& camera, std::uint64_t request
     }
     Result<FrameRef> result = camera.wait_frame(deadline);
     const bool over = Clock::now() >= deadline;
+    if (!fits(result)) return false;
     if (result.ok() || result.error().code == ErrorCode::kSensorEnd) {
       post(request, std::move(result));
       return true;
@@ -219,6 +251,7 @@ bool SensorSession::serve_stream(drivers::Camera& camera) {
   for (;;) {
     Result<FrameRef> result = camera.wait_frame(std::min(deadline, Clock::now() + kIdlePeriod));
     if (ending()) return true;
+    if (!fits(result)) return false;
     if (result.ok()) {
       std::uint64_t request = 0;
       {
@@ -306,6 +339,11 @@ bool SensorSession::wait_ready(TimePoint deadline) {
 SessionState SensorSession::state() const {
   const std::lock_guard lock(mutex_);
   return status_.state;
+}
+
+std::vector<std::string> SensorSession::missing_features() const {
+  const std::lock_guard lock(mutex_);
+  return missing_features_;
 }
 
 SessionStatus SensorSession::status() const {

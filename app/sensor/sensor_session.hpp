@@ -14,6 +14,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "binpick/drivers/camera.hpp"
 #include "binpick/drivers/camera_spec.hpp"
@@ -68,6 +69,8 @@ class SensorSession {
   void retry_now();
   SessionStatus status() const;
   SessionState state() const;  // of status(), without allocation
+  // What the sensor lacks, as it was opened last; not for use in a cycle.
+  std::vector<std::string> missing_features() const;
 
  private:
   void work();
@@ -76,6 +79,7 @@ class SensorSession {
   void serve(drivers::Camera& camera);
   bool serve_request(drivers::Camera& camera, std::uint64_t request);
   bool serve_stream(drivers::Camera& camera);
+  bool fits(const Result<FrameRef>& result);
   void post(std::uint64_t request, Result<FrameRef> result);
   void set_state(SessionState state);
   void note_failure(const char* message);
@@ -94,10 +98,12 @@ class SensorSession {
   std::uint64_t requested_ = 0, answered_ = 0;  // numbers of grabs
   bool request_open_ = false;                   // somebody still waits for `requested_`
   std::optional<Result<FrameRef>> answer_;
-  std::mutex grab_mutex_;              // one grab at a time
-  drivers::Camera* camera_ = nullptr;  // for its counters
-  drivers::CameraCounters closed_;     // of connections that are gone
+  std::optional<TimePoint> unfit_since_;  // the worker's own
+  std::mutex grab_mutex_;                 // one grab at a time
+  drivers::Camera* camera_ = nullptr;     // for its counters
+  drivers::CameraCounters closed_;        // of connections that are gone
   SessionStatus status_;
+  std::vector<std::string> missing_features_;
 
   std::thread worker_;  // last: everything it uses is made before it
 };

@@ -6,6 +6,7 @@
 
 #include "aravis/connection.hpp"
 #include "aravis/features.hpp"
+#include "aravis/missing_features.hpp"
 #include "aravis/received_frame.hpp"
 #include "aravis/scan3d_features.hpp"
 #include "aravis/sensor_setup.hpp"
@@ -16,6 +17,9 @@ namespace {
 
 // Longest sleep without a look at whether the connection is still there.
 constexpr std::int64_t kWaitSlice_us = 50000;
+// Points, normals, colour and confidence of each pixel of the largest frame come to 40. More is a
+// wrong number, and would be allocated.
+constexpr std::size_t kPayloadBytesPerPixelMax = 64;
 
 std::int64_t steady_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -40,11 +44,13 @@ class AravisCamera final : public Camera {
   Error trigger() override;
   void stop() override;
   CameraCounters counters() const override;
+  std::vector<std::string> missing_features() const override { return missing_features_; }
 
  private:
   static void on_control_lost(ArvDevice*, gpointer self) {
     static_cast<AravisCamera*>(self)->lost_.store(true, std::memory_order_relaxed);
   }
+  void check_sizes(const SensorSetup& setup, const FramePoolParams& pool) const;
   void make_stream();
   ArvBuffer* pop(TimePoint deadline);
   ArvBuffer* newest(ArvBuffer* buffer);
@@ -62,6 +68,7 @@ class AravisCamera final : public Camera {
   Features features_;
   gulong lost_signal_ = 0;
   std::atomic<bool> lost_{false};
+  std::vector<std::string> missing_features_;
 
   // Between start and stop.
   FramePool* pool_ = nullptr;
@@ -87,22 +94,18 @@ void AravisCamera::start(FramePool& pool) {
   lost_.store(false, std::memory_order_relaxed);
   pool_ = &pool;
   const SensorSetup setup = set_up_sensor(features_, spec_);
+  missing_features_ = drivers::missing_features(features_, spec_);
   rules_.formats = features_.pixel_formats();
   rules_.mono16_is_depth = spec_.profile.mono16_is_depth;
   rules_.big_endian_chunks = arv_camera_is_gv_device(camera_.get()) != FALSE;
   chunks_ = std::make_unique<Scan3dChunks>(features_, spec_);
   scan3d_ = read_scan3d(features_, spec_, setup.with_points);
-  if (!pool.fits(setup.depth_width, setup.depth_height)) {
-    features_.fail("the features Width and Height are " + std::to_string(setup.depth_width) + "x" +
-                   std::to_string(setup.depth_height) + ", frames of up to " +
-                   std::to_string(pool.params().width_max) + "x" +
-                   std::to_string(pool.params().height_max) + " were planned for");
-  }
+  check_sizes(setup, pool.params());
   PayloadParams params;
   params.width_max = pool.params().width_max;
   params.height_max = pool.params().height_max;
-  params.sensor_width = setup.depth_width;
-  params.sensor_height = setup.depth_height;
+  params.sensor_width = setup.sensor_width;
+  params.sensor_height = setup.sensor_height;
   params.confidence_min = spec_.profile.confidence_min;
   converter_ = std::make_unique<PayloadConverter>(params);
   payload_bytes_ = setup.payload_bytes;
@@ -118,6 +121,35 @@ void AravisCamera::start(FramePool& pool) {
     const std::string message = error.message();
     stop();
     features_.fail("does not start: " + message);
+  }
+}
+
+// What the sensor says of its frames, before memory is taken for them.
+void AravisCamera::check_sizes(const SensorSetup& setup, const FramePoolParams& pool) const {
+  const auto text = [](auto width, auto height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+  };
+  const auto area = [](int width, int height) {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  };
+  if (setup.depth_width > pool.width_max || setup.depth_height > pool.height_max) {
+    features_.fail("the features Width and Height are " +
+                   text(setup.depth_width, setup.depth_height) + ", frames of up to " +
+                   text(pool.width_max, pool.height_max) + " were planned for");
+  }
+  if (setup.payload_bytes == 0 || setup.payload_bytes < setup.depth_bytes) {
+    features_.fail("the feature PayloadSize is " + std::to_string(setup.payload_bytes) +
+                   ", the depth image alone has " + std::to_string(setup.depth_bytes) + " bytes");
+  }
+  const std::size_t payload_max = kPayloadBytesPerPixelMax * area(pool.width_max, pool.height_max);
+  if (setup.payload_bytes > payload_max) {
+    features_.fail("the feature PayloadSize is " + std::to_string(setup.payload_bytes) +
+                   ", at most " + std::to_string(payload_max) + " bytes were planned for");
+  }
+  if (area(setup.sensor_width, setup.sensor_height) > setup.payload_bytes) {
+    features_.fail("the features Width and Height of the largest image are " +
+                   text(setup.sensor_width, setup.sensor_height) + ", PayloadSize is " +
+                   std::to_string(setup.payload_bytes));
   }
 }
 

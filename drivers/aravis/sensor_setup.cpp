@@ -1,10 +1,15 @@
 #include "aravis/sensor_setup.hpp"
 
+#include <cstdio>
+
 #include "aravis/gobject_ptr.hpp"
 #include "binpick/drivers/camera.hpp"
 
 namespace binpick::drivers {
 namespace {
+
+// Of an image that a frame can describe.
+constexpr double kSideMax = 65535;
 
 void check(const Features& features, const CaughtError& error, const char* what) {
   if (error) features.fail(std::string(what) + ": " + error.message());
@@ -80,16 +85,66 @@ void set_gige(const Features& features, const CameraSpec& spec) {
   }
 }
 
-bool has_points(const Features& features, const SensorProfile& profile) {
+// A side of an image; what comes from the wire may be anything.
+int side_of(const Features& features, const char* name) {
+  const double side = features.number(name);
+  if (!(side >= 1 && side <= kSideMax)) {
+    char text[64];
+    std::snprintf(text, sizeof text, "the feature %s is %g, which cannot be used", name, side);
+    features.fail(text);
+  }
+  return static_cast<int>(side);
+}
+
+bool has_component(const Features& features, const std::string& name) {
+  CaughtError error;
+  return features.has("ComponentSelector") &&
+         arv_camera_is_enumeration_entry_available(features.camera(), "ComponentSelector",
+                                                   name.c_str(), error.out()) != FALSE;
+}
+
+// On some sensors image size, pixel format and Scan3d values are those of the selected component:
+// the one with the depth stays selected. The size of the largest image is noted on the way.
+void select_depth(const Features& features, const SensorProfile& profile, SensorSetup& setup) {
+  std::string depth;
+  for (const ComponentSetting& component : profile.components) {
+    if (!component.enable || !has_component(features, component.name)) continue;
+    features.set("ComponentSelector", component.name);
+    const int width = side_of(features, "Width"), height = side_of(features, "Height");
+    if (width > setup.sensor_width) {
+      setup.sensor_width = width;
+      setup.sensor_height = height;
+    }
+    const bool named = component.name == "Range" || component.name == "Disparity";
+    if (named || is_coord3d(pixel_format_from_name(component.pixel_format))) depth = component.name;
+  }
+  if (depth.empty()) {
+    for (const char* name : {"Range", "Disparity"}) {
+      if (depth.empty() && has_component(features, name)) depth = name;
+    }
+  }
+  if (!depth.empty()) features.set("ComponentSelector", depth);
+  setup.depth_width = side_of(features, "Width");
+  setup.depth_height = side_of(features, "Height");
+  if (setup.depth_width > setup.sensor_width) {
+    setup.sensor_width = setup.depth_width;
+    setup.sensor_height = setup.depth_height;
+  }
+}
+
+PixelFormat selected_format(const Features& features) {
+  if (!features.has("PixelFormat")) return PixelFormat::kUnknown;
+  return pixel_format_from_name(features.text("PixelFormat"));
+}
+
+bool has_points(const SensorProfile& profile, PixelFormat selected) {
   const auto named = [](const std::string& name) {
     return is_coord3d_abc(pixel_format_from_name(name));
   };
   for (const ComponentSetting& component : profile.components) {
     if (component.enable && named(component.pixel_format)) return true;
   }
-  return named(profile.pixel_format) ||
-         (profile.pixel_format.empty() && features.has("PixelFormat") &&
-          named(features.text("PixelFormat")));
+  return named(profile.pixel_format) || is_coord3d_abc(selected);
 }
 
 }  // namespace
@@ -109,18 +164,16 @@ SensorSetup set_up_sensor(const Features& features, const CameraSpec& spec) {
   if (arv_camera_is_uv_device(features.camera()) != FALSE)
     arv_camera_uv_set_usb_mode(features.camera(), ARV_UV_USB_MODE_ASYNC);
 
-  SensorSetup setup;
-  setup.with_points = has_points(features, profile);
   if (profile.chunks) features.set("ChunkModeActive", "true");  // the payload grows by them
-  setup.depth_width = static_cast<int>(features.number("Width"));
-  setup.depth_height = static_cast<int>(features.number("Height"));
+  SensorSetup setup;
+  select_depth(features, profile, setup);
+  const PixelFormat format = selected_format(features);
+  setup.with_points = has_points(profile, format);
   CaughtError error;
   setup.payload_bytes = arv_camera_get_payload(features.camera(), error.out());
   check(features, error, "the feature PayloadSize cannot be read");
-  if (setup.payload_bytes == 0) features.fail("the feature PayloadSize is 0");
-  // No sensor sends a frame of a gigabyte: this is a wrong number, and would be allocated.
-  if (setup.payload_bytes > (std::size_t{1} << 30))
-    features.fail("the feature PayloadSize is " + std::to_string(setup.payload_bytes));
+  setup.depth_bytes =
+      row_bytes(format, setup.depth_width) * static_cast<std::size_t>(setup.depth_height);
   return setup;
 }
 

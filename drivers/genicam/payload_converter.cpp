@@ -1,11 +1,11 @@
 #include "genicam/payload_converter.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
+#include <limits>
 
+#include "binpick/base/assert.hpp"
 #include "genicam/gray_rows.hpp"
-#include "genicam/point_grid.hpp"
 
 namespace binpick::drivers {
 namespace {
@@ -27,20 +27,16 @@ std::uint16_t load16(const std::uint8_t* bytes) {
   return value;
 }
 
-std::size_t stride_of(const PayloadPart& part) {
-  return row_bytes(part.format, part.width) + part.x_padding_bytes;
-}
-
 // The bytes hold all rows; the last one needs no padding.
 bool bytes_suffice(const PayloadPart& part) {
   const std::size_t row = row_bytes(part.format, part.width);
   return row > 0 &&
-         part.bytes.size() >= stride_of(part) * static_cast<std::size_t>(part.height - 1) + row;
+         part.bytes.size() >= part.stride_bytes() * static_cast<std::size_t>(part.height - 1) + row;
 }
 
 void depth_rows_16(const PayloadPart& part, const DepthTable& table, float* depth_mm) {
   for (int y = 0; y < part.height; ++y) {
-    const std::uint8_t* row = part.bytes.data() + static_cast<std::size_t>(y) * stride_of(part);
+    const std::uint8_t* row = part.row(y);
     for (int x = 0; x < part.width; ++x) *depth_mm++ = table.mm(load16(row + 2 * x));
   }
 }
@@ -54,7 +50,7 @@ float load32f(const std::uint8_t* bytes) {
 void depth_rows_32f(const PayloadPart& part, const Scan3d& scan3d, float* depth_mm) {
   const AxisInMm z(scan3d.c, scan3d.mm_per_unit);
   for (int y = 0; y < part.height; ++y, depth_mm += part.width) {
-    const std::uint8_t* row = part.bytes.data() + static_cast<std::size_t>(y) * stride_of(part);
+    const std::uint8_t* row = part.row(y);
     if (scan3d.kind == DepthKind::kZ) {
       for (int x = 0; x < part.width; ++x) depth_mm[x] = z.depth_mm(load32f(row + 4 * x));
     } else {
@@ -72,13 +68,16 @@ double depth_scale_mm(PixelFormat format, const Scan3d& scan3d) {
 
 }  // namespace
 
-PayloadConverter::PayloadConverter(const PayloadParams& params) : params_(params) {
+PayloadConverter::PayloadConverter(const PayloadParams& params)
+    : params_(params), grid_scratch_(params.width_max) {
+  // Kernels number pixels by an int.
+  BINPICK_ASSERT(std::int64_t{params.width_max} * params.height_max <=
+                 std::numeric_limits<std::int32_t>::max());
   const auto pixels = [](int width, int height) {
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   };
   gray_scratch_.resize(std::max(pixels(params.width_max, params.height_max),
                                 pixels(params.sensor_width, params.sensor_height)));
-  depth_scratch_.resize(pixels(params.width_max, params.height_max));
 }
 
 bool PayloadConverter::sensor_size(int width, int height) const {
@@ -135,22 +134,11 @@ DropReason PayloadConverter::convert(std::span<const PayloadPart> parts, const S
     grid_gray(*depth, slot.intensity.data());
   }
   const bool with_intensity = intensity != nullptr || depth->format == PixelFormat::kCoord3dAbcy16;
+  convert_depth(*depth, confidence, scan3d, with_intensity, slot);
   const bool grid = is_coord3d_abc(depth->format);
-  bool on_rays = true;
-  float* depth_mm = slot.depth_mm.data();
-  if (grid) {
-    on_rays = grid_depth(*depth, scan3d, depth_mm);
-  } else if (depth->format == PixelFormat::kCoord3dC32f) {
-    depth_rows_32f(*depth, scan3d, depth_mm);
-  } else {
-    table_.update(scan3d);
-    depth_rows_16(*depth, table_, depth_mm);
-  }
-  if (confidence != nullptr) drop_unsure(*confidence, depth_mm);
   slot.frame.depth_scale_mm = grid ? 0 : depth_scale_mm(depth->format, scan3d);
-  if (!on_rays) project_points(*depth, scan3d, with_intensity, slot);
 
-  slot.frame.depth_mm = {depth_mm, width, height, width};
+  slot.frame.depth_mm = {slot.depth_mm.data(), width, height, width};
   if (with_intensity) slot.frame.intensity = {slot.intensity.data(), width, height, width};
   slot.frame.camera = scan3d.camera(width, height);
   return DropReason::kNone;
@@ -161,34 +149,34 @@ void PayloadConverter::convert_intensity(const PayloadPart& part, int width, int
   const int factor = part.width / width;
   std::uint8_t* full = factor == 1 ? gray : gray_scratch_.data();
   for (int y = 0; y < part.height; ++y) {
-    gray_row(part.format, part.bytes.data() + static_cast<std::size_t>(y) * stride_of(part),
-             part.width, full + static_cast<std::ptrdiff_t>(y) * part.width);
+    gray_row(part.format, part.row(y), part.width,
+             full + static_cast<std::ptrdiff_t>(y) * part.width);
   }
   if (factor > 1) reduce_gray(full, width * factor, height * factor, factor, gray);
 }
 
-void PayloadConverter::project_points(const PayloadPart& part, const Scan3d& scan3d,
-                                      bool with_intensity, FrameSlot& slot) {
-  const std::size_t count =
-      static_cast<std::size_t>(part.width) * static_cast<std::size_t>(part.height);
-  std::copy_n(slot.depth_mm.data(), count, depth_scratch_.data());
-  if (with_intensity) std::copy_n(slot.intensity.data(), count, gray_scratch_.data());
-  project_grid(part, scan3d, depth_scratch_.data(), with_intensity ? gray_scratch_.data() : nullptr,
-               slot.depth_mm.data(), slot.intensity.data());
-}
-
-void PayloadConverter::drop_unsure(const PayloadPart& part, float* depth_mm) const {
-  const bool wide = part.format == PixelFormat::kConfidence16;
-  const double full = wide ? 65535 : 255;
-  const unsigned least =
-      std::max(1u, static_cast<unsigned>(std::ceil(params_.confidence_min * full)));
-  for (int y = 0; y < part.height; ++y) {
-    const std::uint8_t* row = part.bytes.data() + static_cast<std::size_t>(y) * stride_of(part);
-    for (int x = 0; x < part.width; ++x, ++depth_mm) {
-      const unsigned confidence = wide ? load16(row + 2 * x) : row[x];
-      *depth_mm = confidence >= least ? *depth_mm : 0.0f;
+void PayloadConverter::convert_depth(const PayloadPart& part, const PayloadPart* confidence,
+                                     const Scan3d& scan3d, bool with_intensity, FrameSlot& slot) {
+  const ConfidenceRows sure(confidence, params_.confidence_min);
+  float* depth_mm = slot.depth_mm.data();
+  if (is_coord3d_abc(part.format)) {
+    if (!grid_depth(part, scan3d, depth_mm)) {
+      const std::uint8_t* gray = nullptr;
+      if (with_intensity) {
+        std::copy_n(slot.intensity.data(), static_cast<std::ptrdiff_t>(part.width) * part.height,
+                    gray_scratch_.data());
+        gray = gray_scratch_.data();
+      }
+      return project_grid(part, scan3d, sure, gray, grid_scratch_, depth_mm, slot.intensity.data());
     }
+  } else if (part.format == PixelFormat::kCoord3dC32f) {
+    depth_rows_32f(part, scan3d, depth_mm);
+  } else {
+    table_.update(scan3d);
+    depth_rows_16(part, table_, depth_mm);
   }
+  for (int y = 0; y < part.height; ++y)
+    sure.apply(y, depth_mm + static_cast<std::ptrdiff_t>(y) * part.width);
 }
 
 }  // namespace binpick::drivers

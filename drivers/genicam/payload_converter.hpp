@@ -10,25 +10,15 @@
 
 #include "binpick/drivers/camera.hpp"
 #include "genicam/depth_table.hpp"
-#include "genicam/pixel_format.hpp"
+#include "genicam/payload_part.hpp"
+#include "genicam/point_grid.hpp"
 #include "genicam/scan3d.hpp"
 
 namespace binpick::drivers {
 
-enum class PartRole { kDepth, kIntensity, kConfidence, kOther };
-
-// One image of a frame; borrows its bytes.
-struct PayloadPart {
-  PartRole role = PartRole::kOther;
-  PixelFormat format = PixelFormat::kUnknown;
-  int width = 0, height = 0;
-  std::size_t x_padding_bytes = 0;  // after each row
-  std::span<const std::uint8_t> bytes;
-};
-
 struct PayloadParams {
   int width_max = 0, height_max = 0;  // of the pool's slots
-  // The image size that the sensor is set to: the depth has this size or divides both sides by the
+  // The size of the sensor's largest image: the depth has this size or divides both sides by the
   // same number. 0: any size.
   int sensor_width = 0, sensor_height = 0;
   // Share of full confidence that a measurement needs; 0: any but none at all.
@@ -48,14 +38,13 @@ class PayloadConverter {
                    const PayloadPart* confidence) const;
   bool sensor_size(int width, int height) const;
   void convert_intensity(const PayloadPart& part, int width, int height, std::uint8_t* gray);
-  void project_points(const PayloadPart& part, const Scan3d& scan3d, bool with_intensity,
-                      FrameSlot& slot);
-  void drop_unsure(const PayloadPart& part, float* depth_mm) const;
+  void convert_depth(const PayloadPart& part, const PayloadPart* confidence, const Scan3d& scan3d,
+                     bool with_intensity, FrameSlot& slot);
 
   PayloadParams params_;
   DepthTable table_;
   std::vector<std::uint8_t> gray_scratch_;
-  std::vector<float> depth_scratch_;
+  GridScratch grid_scratch_;
 };
 
 }  // namespace binpick::drivers

@@ -1,22 +1,33 @@
-// Depth from a grid of points (Coord3D_ABC*): where each point lies on the ray of its own pixel the
+// Depth from a grid of points (Coord3D_ABC*). Where each point lies on the ray of its own pixel the
 // grid is the depth image; where the lens bends the rays the points are projected into the pinhole
 // image, nearest first.
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
-#include "genicam/payload_converter.hpp"
+#include "genicam/confidence_rows.hpp"
+#include "genicam/scan3d.hpp"
 
 namespace binpick::drivers {
 
-// z of each point, 0 where there is none; true where all points lie within a pixel of their place
-// in the grid.
+// A row's depth and the pixels that its points fall into.
+struct GridScratch {
+  explicit GridScratch(int width_max)
+      : depth_mm(static_cast<std::size_t>(width_max)), target(depth_mm.size()) {}
+  std::vector<float> depth_mm;
+  std::vector<std::int32_t> target;
+};
+
+// True where all points lie within a pixel of their place in the grid: depth_mm is then the z of
+// each, 0 where there is none. Else depth_mm is undefined.
 bool grid_depth(const PayloadPart& part, const Scan3d& scan3d, float* depth_mm);
 
-// Projects the grid's points. `grid_mm`: as grid_depth gives it, with unsure points removed;
-// `grid_gray` may be null. Pixels that no point meets are 0 in both outputs.
-void project_grid(const PayloadPart& part, const Scan3d& scan3d, const float* grid_mm,
-                  const std::uint8_t* grid_gray, float* depth_mm, std::uint8_t* gray);
+// Projects the grid's points. `grid_gray` may be null. Pixels that no point meets are 0 in both
+// outputs; of points that meet in a pixel the nearest stays, of equal ones the first.
+void project_grid(const PayloadPart& part, const Scan3d& scan3d, const ConfidenceRows& confidence,
+                  const std::uint8_t* grid_gray, GridScratch& scratch, float* depth_mm,
+                  std::uint8_t* gray);
 
 // The intensity that Coord3D_ABCY16 carries as its fourth value, high byte.
 void grid_gray(const PayloadPart& part, std::uint8_t* gray);

@@ -23,16 +23,24 @@ std::optional<Fault> fault_of_axis(const Scan3dAxis& axis, const char* name) {
   return std::nullopt;
 }
 
+// Wider than any lens and sensor, and narrow enough for products of such values.
+constexpr double kPixelsMax = 1e6;
+
+bool pixels(double value) {
+  return std::abs(value) <= kPixelsMax;  // NaN is not
+}
+
 // The first value that cannot be used.
 std::optional<Fault> find_fault(const Scan3d& s) {
   if (const auto fault = fault_of_axis(s.a, " of axis A")) return fault;
   if (const auto fault = fault_of_axis(s.b, " of axis B")) return fault;
   if (const auto fault = fault_of_axis(s.c, " of axis C")) return fault;
   if (!positive(s.mm_per_unit)) return Fault{"Scan3dDistanceUnit", " in mm", s.mm_per_unit};
-  if (!positive(s.focal_length_px)) return Fault{"Scan3dFocalLength", "", s.focal_length_px};
+  if (!pixels(s.focal_length_px) || s.focal_length_px < 1)
+    return Fault{"Scan3dFocalLength", "", s.focal_length_px};
   if (!positive(s.aspect_ratio)) return Fault{"Scan3dAspectRatio", "", s.aspect_ratio};
-  if (!std::isfinite(s.principal_u_px)) return Fault{"Scan3dPrincipalPointU", "", s.principal_u_px};
-  if (!std::isfinite(s.principal_v_px)) return Fault{"Scan3dPrincipalPointV", "", s.principal_v_px};
+  if (!pixels(s.principal_u_px)) return Fault{"Scan3dPrincipalPointU", "", s.principal_u_px};
+  if (!pixels(s.principal_v_px)) return Fault{"Scan3dPrincipalPointV", "", s.principal_v_px};
   if (s.kind == DepthKind::kDisparity && !positive(s.baseline_mm))
     return Fault{"Scan3dBaseline", " in mm", s.baseline_mm};
   return std::nullopt;

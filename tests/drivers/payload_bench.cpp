@@ -48,6 +48,19 @@ std::vector<float> points(const std::vector<std::uint16_t>& codes, double bend) 
   return abc;
 }
 
+// The same points in steps of 0.25 mm, x and y shifted to be positive, as LUCID Helios2 has them.
+template <int kChannels>
+std::vector<std::uint16_t> point_codes(const std::vector<float>& points) {
+  std::vector<std::uint16_t> codes;
+  for (std::size_t i = 0; i < kPixels; ++i) {
+    codes.push_back(static_cast<std::uint16_t>((points[3 * i] + 8192) * 4));
+    codes.push_back(static_cast<std::uint16_t>((points[3 * i + 1] + 8192) * 4));
+    codes.push_back(static_cast<std::uint16_t>(points[3 * i + 2] * 4));
+    if (kChannels == 4) codes.push_back(static_cast<std::uint16_t>(i));
+  }
+  return codes;
+}
+
 void run() {
   Scan3d z = millimetres(1900, 640, 512);
   z.c = {0.1, 0, 0.0};
@@ -60,6 +73,12 @@ void run() {
   const auto c16 = bytes_of(codes), confidence = bytes_of(std::vector<std::uint16_t>(kPixels, 9));
   const std::vector<std::uint8_t> gray8(kPixels, 7);
   const auto on_rays = bytes_of(points(codes, 1)), bent = bytes_of(points(codes, 1.02));
+  const auto abc16 = bytes_of(point_codes<3>(points(codes, 1)));
+  const auto abcy16 = bytes_of(point_codes<4>(points(codes, 1)));
+  const auto abcy16_bent = bytes_of(point_codes<4>(points(codes, 1.02)));
+  Scan3d steps = floats;
+  steps.a = steps.b = {0.25, -8192, {}};
+  steps.c = {0.25, 0, 65535.0};
   std::vector<float> metric;
   for (const std::uint16_t code : codes) metric.push_back(static_cast<float>(code * 0.1));
   const auto c32f = bytes_of(metric);
@@ -78,6 +97,12 @@ void run() {
   bench("ABC32f on its rays", {part(PartRole::kDepth, PixelFormat::kCoord3dAbc32f, on_rays)},
         floats);
   bench("ABC32f projected", {part(PartRole::kDepth, PixelFormat::kCoord3dAbc32f, bent)}, floats);
+  bench("ABC32f projected + Mono8",
+        {part(PartRole::kDepth, PixelFormat::kCoord3dAbc32f, bent), mono8}, floats);
+  bench("ABC16 on its rays", {part(PartRole::kDepth, PixelFormat::kCoord3dAbc16, abc16)}, steps);
+  bench("ABCY16 on its rays", {part(PartRole::kDepth, PixelFormat::kCoord3dAbcy16, abcy16)}, steps);
+  bench("ABCY16 projected", {part(PartRole::kDepth, PixelFormat::kCoord3dAbcy16, abcy16_bent)},
+        steps);
 }
 
 }  // namespace

@@ -190,6 +190,15 @@ TEST(GevCamera, AnswersErrorsThatNameTheSensor) {
   }
 }
 
+TEST(GevCamera, WhatASensorLacksIsListedAtItsStart) {
+  GevBench b;
+  b.spec.profile.optional_settings = {{"NoSuchFeature", "1"}};
+  b.spec.profile.components = {{"Range", true, false, ""}, {"Thermal", true, true, ""}};
+  b.open();
+  EXPECT_EQ(b.camera->missing_features(),
+            (std::vector<std::string>{"NoSuchFeature", "ComponentSelector Thermal"}));
+}
+
 TEST(GevCamera, MissingFeaturesAndTooLargeFramesAreNamed) {
   const auto start_error = [](GevBench& b) -> std::string {
     try {

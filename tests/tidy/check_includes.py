@@ -4,7 +4,7 @@
 core/        the C++ library without files, clocks, threads and printing; Eigen; Highway
 core/train/  core, the whole C++ library, POSIX, assimp, OSMesa
 drivers/     of core only base, frame and geometry; image and JSON libraries; never app;
-             Aravis in drivers/aravis/, libusb in drivers/usb/
+             Aravis in drivers/aravis/, libusb in drivers/usb/, Highway in drivers/genicam/
 app/         public headers of core and drivers, its own private ones; neither assimp nor OSMesa;
 app/modbus/  of all these only base, geometry, clock and set-up errors
 tests/, tools/ everything
@@ -38,7 +38,7 @@ CORE_EXCEPTIONS = {("core/base/assert.cpp", "cstdio")}  # the last words before 
 ALLOWED_LIBRARIES = {
     "core": {"std", "Eigen", "Highway"},
     "train": {"std", "POSIX", "Eigen", "assimp", "OSMesa"},
-    "drivers": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "Aravis", "libusb"},
+    "drivers": {"std", "POSIX", "Eigen", "Highway", "OpenCV", "nlohmann", "Aravis", "libusb"},
     "app": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "CLI11", "tomlplusplus", "libmodbus",
             "zlib"},
 }
@@ -49,8 +49,9 @@ ALLOWED_AREAS = {
     "app": {"app", "drivers", "train", "core"},
 }
 SHARED_BY_DRIVERS = "genicam"  # payloads and formats: no device library
-# Device libraries, each in one folder only.
-LIBRARY_FOLDERS = {"Aravis": "drivers/aravis/", "libusb": "drivers/usb/"}
+# Libraries that belong into some folders only.
+LIBRARY_FOLDERS = {"Aravis": ("drivers/aravis/",), "libusb": ("drivers/usb/",),
+                   "Highway": ("core/", "drivers/genicam/")}
 # Made in the build folder: (area, path as it is included).
 GENERATED = {("app", "modbus/register_map.hpp")}
 # The Modbus side knows registers, poses and sockets: nothing of detection, sensors and the rest.
@@ -129,7 +130,7 @@ def fault_of_library(relative, area, target, quoted):
     if library not in ALLOWED_LIBRARIES[area]:
         return f"{area} may not use {library}"
     if not relative.startswith(LIBRARY_FOLDERS.get(library, "")):
-        return f"{library} belongs into {LIBRARY_FOLDERS[library]}"
+        return f"{library} belongs into {' or '.join(LIBRARY_FOLDERS[library])}"
     if area == "core" and target in NOT_IN_CORE and (relative, target) not in CORE_EXCEPTIONS:
         return "core has no files, clocks, threads or printing of its own"
     return None

@@ -7,6 +7,8 @@
 #include <chrono>
 #include <cstdint>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "binpick/base/result.hpp"
 #include "binpick/frame/frame_pool.hpp"
@@ -69,6 +71,9 @@ class Camera {
   // Frames end; may be started again. On a dead link it may take seconds.
   virtual void stop() = 0;
   virtual CameraCounters counters() const = 0;
+  // Features that the sensor lacks, of those that its profile names and the commands use; found by
+  // the last start. None of them was needed for it.
+  virtual std::vector<std::string> missing_features() const { return {}; }
 };
 
 }  // namespace binpick::drivers

@@ -1,0 +1,228 @@
+// The vector kernels: this file is compiled once per vector unit by foreach_target; what each
+// function does is said in point_rows.hpp, and by the scalar code that it must agree with bit for
+// bit. So no fused multiply-add, and depth in double.
+#include "genicam/point_rows.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "genicam/point_rows_hwy.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include <limits>
+
+HWY_BEFORE_NAMESPACE();
+namespace binpick::drivers::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_TARGET == HWY_SCALAR  // the build's baseline may be this; the specification serves
+
+void DepthRow(const PointAxes& axes, const std::uint8_t* points, int width, float* depth_mm) {
+  point_depth_row_scalar(axes, points, width, depth_mm);
+}
+bool OnRays(const PointAxes& axes, const std::uint8_t* points, int width, int y,
+            const float* depth_mm) {
+  return points_on_rays_scalar(axes, points, 0, width, y, depth_mm);
+}
+void TargetsRow(const PointAxes& axes, const std::uint8_t* points, int width, const float* depth_mm,
+                int image_width, int image_height, std::int32_t* target) {
+  point_targets_row_scalar(axes, points, width, depth_mm, image_width, image_height, target);
+}
+
+#else
+
+using D = hn::ScalableTag<float>;
+using V = hn::Vec<D>;
+
+// Loads the codes of Lanes(D) points as floats.
+struct Floats3 {
+  static constexpr int kPointBytes = 12;
+  static void load(D d, const std::uint8_t* points, V& a, V& b, V& c) {
+    hn::LoadInterleaved3(d, reinterpret_cast<const float*>(points), a, b, c);
+  }
+};
+struct Shorts3 {
+  static constexpr int kPointBytes = 6;
+  static void load(D d, const std::uint8_t* points, V& a, V& b, V& c) {
+    const hn::Rebind<std::uint16_t, D> d16;
+    const hn::Rebind<std::int32_t, D> d32;
+    hn::Vec<decltype(d16)> a16, b16, c16;
+    hn::LoadInterleaved3(d16, reinterpret_cast<const std::uint16_t*>(points), a16, b16, c16);
+    a = hn::ConvertTo(d, hn::PromoteTo(d32, a16));
+    b = hn::ConvertTo(d, hn::PromoteTo(d32, b16));
+    c = hn::ConvertTo(d, hn::PromoteTo(d32, c16));
+  }
+};
+struct Shorts4 {
+  static constexpr int kPointBytes = 8;
+  static void load(D d, const std::uint8_t* points, V& a, V& b, V& c) {
+    const hn::Rebind<std::uint16_t, D> d16;
+    const hn::Rebind<std::int32_t, D> d32;
+    hn::Vec<decltype(d16)> a16, b16, c16, y16;
+    hn::LoadInterleaved4(d16, reinterpret_cast<const std::uint16_t*>(points), a16, b16, c16, y16);
+    a = hn::ConvertTo(d, hn::PromoteTo(d32, a16));
+    b = hn::ConvertTo(d, hn::PromoteTo(d32, b16));
+    c = hn::ConvertTo(d, hn::PromoteTo(d32, c16));
+  }
+};
+
+// Half of the lanes: code * scale + offset in double, rounded to float once; 0 where the code is
+// the invalid one.
+template <class DHalf>
+hn::Vec<DHalf> MillimetresHalf(DHalf d, hn::Vec<DHalf> code, const AxisInMm& axis) {
+  const hn::Rebind<double, DHalf> d64;
+  const auto wide = hn::PromoteTo(d64, code);
+  const auto z = hn::Add(hn::Mul(wide, hn::Set(d64, axis.scale)), hn::Set(d64, axis.offset));
+  const auto invalid = hn::Eq(wide, hn::Set(d64, axis.invalid_code));
+  return hn::DemoteTo(d, hn::IfThenZeroElse(invalid, z));
+}
+
+V Millimetres(D d, V code, const AxisInMm& axis) {
+  const hn::Half<D> half;
+  const auto low = MillimetresHalf(half, hn::LowerHalf(half, code), axis);
+  const auto high = MillimetresHalf(half, hn::UpperHalf(half, code), axis);
+  const V z = hn::Combine(d, high, low);
+  const auto measured =
+      hn::And(hn::Gt(z, hn::Zero(d)), hn::Le(z, hn::Set(d, std::numeric_limits<float>::max())));
+  return hn::IfThenElseZero(measured, z);
+}
+
+template <class Codes>
+int DepthRowOf(const PointAxes& axes, const std::uint8_t* points, int width, float* depth_mm) {
+  const D d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  int x = 0;
+  for (; x + lanes <= width; x += lanes) {
+    V a, b, c;
+    Codes::load(d, points + x * Codes::kPointBytes, a, b, c);
+    hn::StoreU(Millimetres(d, c, axes.c), d, depth_mm + x);
+  }
+  return x;
+}
+
+V TimesZ(D d, V code, const AxisInPx& axis) {
+  return hn::Add(hn::Mul(code, hn::Set(d, axis.scale)), hn::Set(d, axis.offset));
+}
+
+template <class Codes>
+int OnRaysOf(const PointAxes& axes, const std::uint8_t* points, int width, int y,
+             const float* depth_mm, bool& on_rays) {
+  const D d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const V dv = hn::Set(d, static_cast<float>(y) - axes.cv);
+  auto off = hn::FirstN(d, 0);  // none
+  int x = 0;
+  for (; x + lanes <= width; x += lanes) {
+    V a, b, c;
+    Codes::load(d, points + x * Codes::kPointBytes, a, b, c);
+    const V z = hn::LoadU(d, depth_mm + x);
+    const V du = hn::Sub(hn::Iota(d, static_cast<float>(x)), hn::Set(d, axes.cu));
+    const V error_u = hn::Abs(hn::Sub(TimesZ(d, a, axes.a), hn::Mul(du, z)));
+    const V error_v = hn::Abs(hn::Sub(TimesZ(d, b, axes.b), hn::Mul(dv, z)));
+    // The tolerance is one pixel: z itself.
+    const auto near = hn::And(hn::Le(error_u, z), hn::Le(error_v, z));
+    off = hn::Or(off, hn::AndNot(near, hn::Gt(z, hn::Zero(d))));
+  }
+  on_rays = hn::AllFalse(d, off);
+  return x;
+}
+
+template <class Codes>
+int TargetsRowOf(const PointAxes& axes, const std::uint8_t* points, int width,
+                 const float* depth_mm, int image_width, int image_height, std::int32_t* target) {
+  const D d;
+  const hn::Rebind<std::int32_t, D> d32;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const V u_end = hn::Set(d, static_cast<float>(image_width));
+  const V v_end = hn::Set(d, static_cast<float>(image_height));
+  const V zero = hn::Zero(d), half = hn::Set(d, 0.5f);
+  int x = 0;
+  for (; x + lanes <= width; x += lanes) {
+    V a, b, c;
+    Codes::load(d, points + x * Codes::kPointBytes, a, b, c);
+    const V z = hn::LoadU(d, depth_mm + x);
+    const V u =
+        hn::Floor(hn::Add(hn::Add(hn::Div(TimesZ(d, a, axes.a), z), hn::Set(d, axes.cu)), half));
+    const V v =
+        hn::Floor(hn::Add(hn::Add(hn::Div(TimesZ(d, b, axes.b), z), hn::Set(d, axes.cv)), half));
+    const auto inside = hn::And(hn::And(hn::Gt(z, zero), hn::And(hn::Ge(u, zero), hn::Ge(v, zero))),
+                                hn::And(hn::Lt(u, u_end), hn::Lt(v, v_end)));
+    const auto row = hn::ConvertTo(d32, hn::IfThenElseZero(inside, v));
+    const auto column = hn::ConvertTo(d32, hn::IfThenElseZero(inside, u));
+    const auto index = hn::Add(hn::Mul(row, hn::Set(d32, image_width)), column);
+    const auto none = hn::Set(d32, -1);
+    hn::StoreU(hn::IfThenElse(hn::RebindMask(d32, inside), index, none), d32, target + x);
+  }
+  return x;
+}
+
+// Calls with the loader of the layout.
+template <class Call>
+int WithCodes(PointLayout layout, Call&& call) {
+  if (layout == PointLayout::kAbc32f) return call(Floats3{});
+  if (layout == PointLayout::kAbcy16) return call(Shorts4{});
+  return call(Shorts3{});
+}
+
+int PointBytes(PointLayout layout) {
+  return WithCodes(layout, [](auto codes) { return decltype(codes)::kPointBytes; });
+}
+
+// What is left of a row after whole vectors is the specification's.
+void DepthRow(const PointAxes& axes, const std::uint8_t* points, int width, float* depth_mm) {
+  const int done = WithCodes(axes.layout, [&](auto codes) {
+    return DepthRowOf<decltype(codes)>(axes, points, width, depth_mm);
+  });
+  point_depth_row_scalar(axes, points + done * PointBytes(axes.layout), width - done,
+                         depth_mm + done);
+}
+
+bool OnRays(const PointAxes& axes, const std::uint8_t* points, int width, int y,
+            const float* depth_mm) {
+  bool on_rays = true;
+  const int done = WithCodes(axes.layout, [&](auto codes) {
+    return OnRaysOf<decltype(codes)>(axes, points, width, y, depth_mm, on_rays);
+  });
+  return on_rays && points_on_rays_scalar(axes, points, done, width, y, depth_mm);
+}
+
+void TargetsRow(const PointAxes& axes, const std::uint8_t* points, int width, const float* depth_mm,
+                int image_width, int image_height, std::int32_t* target) {
+  const int done = WithCodes(axes.layout, [&](auto codes) {
+    return TargetsRowOf<decltype(codes)>(axes, points, width, depth_mm, image_width, image_height,
+                                         target);
+  });
+  point_targets_row_scalar(axes, points + done * PointBytes(axes.layout), width - done,
+                           depth_mm + done, image_width, image_height, target + done);
+}
+
+#endif
+
+}  // namespace binpick::drivers::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace binpick::drivers {
+
+HWY_EXPORT(DepthRow);
+HWY_EXPORT(OnRays);
+HWY_EXPORT(TargetsRow);
+
+void point_depth_row(const PointAxes& axes, const std::uint8_t* points, int width,
+                     float* depth_mm) {
+  HWY_DYNAMIC_DISPATCH(DepthRow)(axes, points, width, depth_mm);
+}
+
+bool points_on_rays(const PointAxes& axes, const std::uint8_t* points, int width, int y,
+                    const float* depth_mm) {
+  return HWY_DYNAMIC_DISPATCH(OnRays)(axes, points, width, y, depth_mm);
+}
+
+void point_targets_row(const PointAxes& axes, const std::uint8_t* points, int width,
+                       const float* depth_mm, int image_width, int image_height,
+                       std::int32_t* target) {
+  HWY_DYNAMIC_DISPATCH(TargetsRow)
+  (axes, points, width, depth_mm, image_width, image_height, target);
+}
+
+}  // namespace binpick::drivers
+#endif
