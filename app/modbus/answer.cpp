@@ -63,9 +63,12 @@ void encode_answer(const AnswerSnapshot& a, const Encoding& encoding, AnswerRegi
   r[index_of(map::kAddressCause)] = static_cast<std::uint16_t>(a.cause);
   r[index_of(map::kAddressNoPickReasons)] = a.no_pick_reasons;
   r[index_of(map::kAddressDetections)] = a.detections;
-  r[index_of(map::kAddressPicks)] = a.picks;
-  r[index_of(map::kAddressPage)] = a.page;
-  r[index_of(map::kAddressPagePicks)] = static_cast<std::uint16_t>(a.page_pick_count);
+  const int page_picks = shows_picks(a.cause) ? a.page_pick_count : 0;
+  if (shows_picks(a.cause)) {
+    r[index_of(map::kAddressPicks)] = a.picks;
+    r[index_of(map::kAddressPage)] = a.page;
+    r[index_of(map::kAddressPagePicks)] = static_cast<std::uint16_t>(page_picks);
+  }
   r[index_of(map::kAddressRecipe)] = a.recipe;
   put_uint32(at(map::kAddressCycleNumber), order, a.cycle_number);
   const std::int64_t unix_ms = std::max<std::int64_t>(a.capture_unix_ms, 0);
@@ -73,7 +76,7 @@ void encode_answer(const AnswerSnapshot& a, const Encoding& encoding, AnswerRegi
   r[index_of(map::kAddressCaptureTimeMs)] = static_cast<std::uint16_t>(unix_ms % 1000);
   put_age(r, order, kAgeNone);
   r[index_of(map::kAddressCycleTime)] = rounded_uint16(static_cast<double>(a.cycle_time_ms));
-  for (int i = 0; i < a.page_pick_count; ++i) {
+  for (int i = 0; i < page_picks; ++i) {
     encode_pick(a.page_picks[static_cast<std::size_t>(i)], encoding,
                 std::span(r).subspan(pick_index(i), map::kPickSize));
   }
@@ -110,6 +113,7 @@ std::optional<DecodedAnswer> decode_answer(std::span<const std::uint16_t> r) {
   a.capture_unix_ms += at(map::kAddressCaptureTimeMs);
   a.cycle_time_ms = at(map::kAddressCycleTime);
   if (a.result_sequence != at(map::kAddressResultSequenceTail)) return {};
+  if (!shows_picks(a.cause) && a.picks != 0) return {};
   if (a.page_pick_count > map::kPicksPerPage || a.page_pick_count > a.picks) return {};
   for (int i = 0; i < a.page_pick_count; ++i) {
     const auto words = r.subspan(pick_index(i), map::kPickSize);

@@ -53,6 +53,12 @@ constexpr int page_count(int picks) {
   return picks <= 0 ? 1 : (picks + map::kPicksPerPage - 1) / map::kPicksPerPage;
 }
 
+// A command that was refused or failed shows no picks, whatever the snapshot holds: nobody may take
+// those of an earlier answer for its own.
+constexpr bool shows_picks(map::Cause cause) {
+  return static_cast<int>(cause) < 100;
+}
+
 // Writes all registers; age is written as "no frame yet" and is the server's business.
 void encode_answer(const AnswerSnapshot& answer, const Encoding& encoding,
                    AnswerRegisters& registers);

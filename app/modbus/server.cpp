@@ -270,9 +270,10 @@ bool Server::close_if_late(Connection& client, std::int64_t now_ns) {
 }
 
 void Server::close(Connection& client, Count why) {
-  client.close();  // epoll forgets a closed descriptor by itself
-  --client_count_;
+  // Counted first: who sees the connection end finds it counted.
   counters_.add(why);
+  --client_count_;
+  client.close();  // epoll forgets a closed descriptor by itself
 }
 
 void Server::update_interest(Connection& client) {

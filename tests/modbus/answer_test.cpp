@@ -72,6 +72,18 @@ TEST(Answer, MarksPicksThatAreNoPosesAsInvalid) {
   for (int address = 128; address < 144; ++address) EXPECT_EQ(at(r, address), 0);
 }
 
+TEST(Answer, ShowsNoPicksWithACommandThatWasRefusedOrFailed) {
+  AnswerSnapshot answer = fake_answer(5);
+  answer.cause = map::Cause::kSensorLost;
+  AnswerRegisters r;
+  encode_answer(answer, {}, r);
+  for (int address = 128; address < 224; ++address) EXPECT_EQ(at(r, address), 0);
+  const auto decoded = decode_answer(r);
+  ASSERT_TRUE(decoded);
+  EXPECT_EQ(decoded->answer.picks, 0);
+  EXPECT_EQ(decoded->answer.page_pick_count, 0);
+}
+
 TEST(Answer, HoldsLongTimesAtTheirEnds) {
   AnswerSnapshot answer;
   answer.cycle_time_ms = 1'000'000;

@@ -112,7 +112,11 @@ Cause FakeStation::result_of(const Command& command) {
   return Cause::kCommandUnknown;
 }
 
+// A new frame takes the picks of the one before with it: the bin has changed.
 void FakeStation::take_frame() {
+  picks_ = 0;
+  answer_.page = 0;
+  answer_.page_pick_count = 0;
   capture_ns_ = app::monotonic_ns();
   answer_.capture_unix_ms = unix_ms();
 }
