@@ -11,7 +11,7 @@
 #include "cli/sensor_arguments.hpp"
 #include "error_text.hpp"
 #include "sensor/frame_writer.hpp"
-#include "sensor/sensor_session.hpp"
+#include "sensor/live_sensor.hpp"
 
 namespace binpick::app {
 namespace {
@@ -38,9 +38,8 @@ int capture(const CaptureArguments& a) {
     tell_missing_features(*camera);
   }
   FrameWriter writer(a.out, a.depth_scale);
-  SessionParams params;
-  params.trigger = spec.trigger;
-  SensorSession session([&spec] { return drivers::open_camera(spec); }, pool, params);
+  LiveSensor sensor(spec, pool, {});
+  SensorSession& session = sensor.session();
   Progress progress("capture");
   std::string fault;
   while (writer.frame_count() < a.count) {
@@ -65,6 +64,8 @@ int capture(const CaptureArguments& a) {
   if (status.losses > 0)
     std::printf("sensor lost and found again: %llu times\n",
                 static_cast<unsigned long long>(status.losses));
+  if (status.recoveries > 0)
+    std::printf("USB port reset: %llu times\n", static_cast<unsigned long long>(status.recoveries));
   if (fault.empty()) return 0;
   std::fprintf(stderr, "binpick: error: %s: %s\n", spec.uri.c_str(), fault.c_str());
   return 1;

@@ -10,6 +10,7 @@
 
 #include "binpick/drivers/open_camera.hpp"
 #include "binpick/drivers/sensor_list.hpp"
+#include "binpick/drivers/usb_bus.hpp"
 #include "cli/commands.hpp"
 #include "cli/drop_table.hpp"
 #include "cli/number_between.hpp"
@@ -67,6 +68,23 @@ void advise_network(const drivers::SensorReport& report) {
         report.payload_bytes, rmem_max);
 }
 
+void advise_usb(const drivers::SensorReport& report) {
+  const long limit_mib = drivers::usbfs_memory_limit_mib();
+  const std::vector<drivers::UsbSensor> bus = drivers::list_usb_sensors();
+  for (const drivers::UsbSensor& usb : bus) {
+    if (usb.serial != report.serial) continue;
+    std::printf("\nlink: USB port %s, %s; memory for transfers %s\n", usb.port.c_str(),
+                drivers::usb_speed_name(usb.speed),
+                limit_mib < 0    ? "unknown"
+                : limit_mib == 0 ? "without limit"
+                                 : (std::to_string(limit_mib) + " MiB").c_str());
+    for (const std::string& warning : drivers::usb_warnings(usb))
+      std::printf("advice: %s\n", warning.c_str());
+  }
+  const std::string advice = drivers::usbfs_memory_advice(limit_mib, static_cast<int>(bus.size()));
+  if (!advice.empty()) std::printf("advice: %s\n", advice.c_str());
+}
+
 int measure(const SensorArguments& arguments, double seconds, std::size_t payload_bytes) {
   using Clock = std::chrono::steady_clock;
   const drivers::CameraSpec spec = camera_spec_of(arguments);
@@ -110,7 +128,11 @@ int show(const SensorArguments& arguments, double seconds) {
               report.serial.c_str());
   for (const drivers::FeatureReading& f : report.features)
     std::printf("%-28s %s\n", f.name.c_str(), f.present ? f.value.c_str() : "- (not there)");
-  if (report.gige) advise_network(report);
+  if (report.gige) {
+    advise_network(report);
+  } else {
+    advise_usb(report);
+  }
   return seconds > 0 ? measure(arguments, seconds, report.payload_bytes) : 0;
 }
 

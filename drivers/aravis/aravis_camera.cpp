@@ -20,6 +20,14 @@ constexpr std::int64_t kWaitSlice_us = 50000;
 // Points, normals, colour and confidence of each pixel of the largest frame come to 40. More is a
 // wrong number, and would be allocated.
 constexpr std::size_t kPayloadBytesPerPixelMax = 64;
+// On the USB bus Aravis has at most so much of a stream under way. Below it, once every buffer is
+// under way, its thread asks for another one without a pause and fills a core.
+constexpr std::size_t kUsbBytesUnderWay = std::size_t{8} << 20;
+// A bus that repeats what was damaged loses no single frame: when so many in a row are incomplete,
+// the stream is halted or out of step with the sensor, and only another start ends that.
+constexpr int kUsbIncompleteMax = 8;
+// Of frames of a few kilobytes; each buffer costs transfers of its own.
+constexpr std::size_t kUsbBuffersMax = 2048;
 
 std::int64_t steady_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -61,6 +69,8 @@ class AravisCamera final : public Camera {
     dropped_[static_cast<std::size_t>(reason)].fetch_add(1, std::memory_order_relaxed);
   }
   void give_back(ArvBuffer* buffer);
+  int buffer_count() const;
+  bool out_of_step(DropReason reason);
   void read_stream_counters();
 
   CameraSpec spec_;
@@ -83,6 +93,7 @@ class AravisCamera final : public Camera {
   Scan3d scan3d_;
   std::uint64_t last_frame_id_ = 0;
   bool any_frame_ = false;
+  int incomplete_in_a_row_ = 0;  // on the USB bus
   std::int64_t trigger_wall_ns_ = 0;
 
   std::array<std::atomic<std::uint64_t>, kDropReasonCount> dropped_{};
@@ -113,6 +124,7 @@ void AravisCamera::start(FramePool& pool) {
   for (auto* count : {&frames_, &missed_, &resent_, &missing_, &underruns_})
     count->store(0, std::memory_order_relaxed);
   any_frame_ = false;
+  incomplete_in_a_row_ = 0;
   trigger_wall_ns_ = 0;
   make_stream();
   CaughtError error;
@@ -168,11 +180,19 @@ void AravisCamera::make_stream() {
   }
   // Where the stream is made a socket's worth of room lies between the buffers: a cache line.
   const std::size_t stride = Arena::padded(payload_bytes_);
-  memory_.assign(stride * static_cast<std::size_t>(spec_.buffer_count), 0);
-  for (int i = 0; i < spec_.buffer_count; ++i) {
+  const int count = buffer_count();
+  memory_.assign(stride * static_cast<std::size_t>(count), 0);
+  for (int i = 0; i < count; ++i) {
     give_back(
         arv_buffer_new(payload_bytes_, memory_.data() + stride * static_cast<std::size_t>(i)));
   }
+}
+
+int AravisCamera::buffer_count() const {
+  if (arv_camera_is_uv_device(camera_.get()) == FALSE) return spec_.buffer_count;
+  // One more than can be under way, and one that is being looked at.
+  const std::size_t enough = std::min(kUsbBytesUnderWay / payload_bytes_ + 2, kUsbBuffersMax);
+  return std::max(spec_.buffer_count, static_cast<int>(enough));
 }
 
 // To be filled again.
@@ -250,11 +270,19 @@ Result<FrameRef> AravisCamera::take(ArvBuffer* buffer) {
   }
   if (reason != DropReason::kNone) {
     count(reason);
+    if (out_of_step(reason)) return Error{ErrorCode::kSensorLost, 0, "stream"};
     return Error{ErrorCode::kSensorFrameDropped, static_cast<long long>(reason),
                  drop_reason_name(reason)};
   }
+  incomplete_in_a_row_ = 0;
   frames_.fetch_add(1, std::memory_order_relaxed);
   return ref;
+}
+
+bool AravisCamera::out_of_step(DropReason reason) {
+  if (ARV_IS_GV_STREAM(stream_.get())) return false;
+  incomplete_in_a_row_ = reason == DropReason::kIncomplete ? incomplete_in_a_row_ + 1 : 0;
+  return incomplete_in_a_row_ >= kUsbIncompleteMax;
 }
 
 // Newer than the frame before it and than the trigger that asked for it.

@@ -9,9 +9,11 @@ namespace binpick::drivers {
 namespace {
 
 constexpr const char* kLimitFile = "/sys/module/usbcore/parameters/usbfs_memory_mb";
-constexpr std::size_t kMiB = std::size_t{1} << 20;
-// Leader, trailer and the transfers' own bookkeeping, of each frame.
-constexpr std::size_t kOverheadBytes = 64 << 10;
+// Aravis keeps no more of a stream under way, and the driver gives it buffers for as much; what
+// does not fit into the limit is lost.
+constexpr int kMibPerSensor = 8;
+// Commands, and the bookkeeping of the transfers.
+constexpr int kMibBeside = 1;
 
 }  // namespace
 
@@ -53,16 +55,14 @@ long usbfs_memory_limit_mib() {
   return file >> limit_mib ? limit_mib : -1;
 }
 
-std::string usbfs_memory_advice(long limit_mib, std::size_t payload_bytes, int buffer_count) {
-  const std::size_t count = static_cast<std::size_t>(std::max(buffer_count, 1));
-  const std::size_t needed_mib = (count * (payload_bytes + kOverheadBytes) + kMiB - 1) / kMiB;
-  if (limit_mib <= 0 || needed_mib <= static_cast<std::size_t>(limit_mib)) return "";
-  // Twice as much, for a second sensor and other programs.
-  const std::string enough = std::to_string(std::bit_ceil(2 * needed_mib));
-  return std::to_string(count) + " frames of " + std::to_string(payload_bytes) +
-         " bytes in flight take " + std::to_string(needed_mib) +
-         " MiB of USB memory, the limit is " + std::to_string(limit_mib) + ": echo " + enough +
-         " > " + kLimitFile +
+std::string usbfs_memory_advice(long limit_mib, int sensor_count) {
+  const int needed_mib = kMibPerSensor * std::max(sensor_count, 1) + kMibBeside;
+  if (limit_mib <= 0 || needed_mib <= limit_mib) return "";
+  // Twice as much: other programs use the bus too.
+  const std::string enough = std::to_string(std::bit_ceil(static_cast<unsigned>(2 * needed_mib)));
+  return "transfers of " + std::to_string(sensor_count) + " USB sensors take " +
+         std::to_string(needed_mib) + " MiB, the kernel's limit is " + std::to_string(limit_mib) +
+         ": echo " + enough + " > " + kLimitFile +
          ", for good by the kernel parameter usbcore.usbfs_memory_mb=" + enough +
          " or firmware-config/tmpfiles/60-binpick-usb.conf";
 }

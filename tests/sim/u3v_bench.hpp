@@ -18,12 +18,13 @@ namespace binpick::drivers {
 struct U3vBench {
   using Clock = std::chrono::steady_clock;
 
-  explicit U3vBench(const std::vector<std::string>& extra = {}, int slots = 3)
+  explicit U3vBench(const std::vector<std::string>& extra = {},
+                    const std::string& scenes = kSampleBin, int slots = 3)
       : arena(FramePool::footprint({slots, 1280, 1024})), pool({slots, 1280, 1024}, arena) {
     if (std::getenv("LD_PRELOAD") == nullptr)
       throw std::runtime_error("start this under umockdev-wrapper, as ctest does");
-    std::vector<std::string> arguments = {"--scenes", kSampleBin, "--scene",   "1",
-                                          "--serial", "U1",       "--payload", "c16"};
+    std::vector<std::string> arguments = {"--scenes", scenes, "--scene",   "1",
+                                          "--serial", "U1",   "--payload", "c16"};
     arguments.insert(arguments.end(), extra.begin(), extra.end());
     sim = std::make_unique<SimulatorProcess>(U3VSIM, arguments);
     const std::string& line = sim->first_line();
@@ -31,7 +32,7 @@ struct U3vBench {
     folder = line.substr(begin, line.find(' ', begin) - begin);
     setenv("UMOCKDEV_DIR", folder.c_str(), 1);
     spec.uri = "u3v://serial/U1";
-    const BopDataset data(kSampleBin, "test");
+    const BopDataset data(scenes, "test");
     const BopScene scene = data.scene(1);
     for (int i = 0; i < 2; ++i) files.push_back(data.load_frame(scene, i));
   }

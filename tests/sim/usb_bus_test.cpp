@@ -212,14 +212,14 @@ TEST(UsbfsMemory, IsReadFromTheKernel) {
 }
 
 TEST(UsbfsMemory, AdviceSaysWhatToSet) {
-  constexpr std::size_t kFrame = 1280 * 1024 * 8;
-  EXPECT_EQ(usbfs_memory_advice(-1, kFrame, 4), "");
-  EXPECT_EQ(usbfs_memory_advice(0, kFrame, 4), "");
-  EXPECT_EQ(usbfs_memory_advice(41, kFrame, 4), "");
-  const std::string advice = usbfs_memory_advice(16, kFrame, 4);
-  EXPECT_NE(advice.find("take 41 MiB"), std::string::npos) << advice;
-  EXPECT_NE(advice.find("the limit is 16"), std::string::npos) << advice;
-  EXPECT_NE(advice.find("usbcore.usbfs_memory_mb=128"), std::string::npos) << advice;
+  EXPECT_EQ(usbfs_memory_advice(-1, 2), "");
+  EXPECT_EQ(usbfs_memory_advice(0, 2), "");
+  EXPECT_EQ(usbfs_memory_advice(16, 1), "");
+  EXPECT_EQ(usbfs_memory_advice(17, 2), "");
+  const std::string advice = usbfs_memory_advice(16, 2);
+  EXPECT_NE(advice.find("2 USB sensors take 17 MiB"), std::string::npos) << advice;
+  EXPECT_NE(advice.find("limit is 16"), std::string::npos) << advice;
+  EXPECT_NE(advice.find("usbcore.usbfs_memory_mb=64"), std::string::npos) << advice;
 }
 
 }  // namespace

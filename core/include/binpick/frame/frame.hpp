@@ -21,9 +21,6 @@ struct Frame {
   ImageView<const float> depth_mm;
   // 8-bit gray, same size as the depth. Empty where the sensor has none.
   ImageView<const std::uint8_t> intensity;
-  // Where every depth is a whole number up to 65535 times this, rounded to float: the frame can be
-  // kept in a 16-bit image without loss. 0: depths are any numbers.
-  double depth_scale_mm = 0;
   CameraIntrinsics camera;
   Roi roi;
   // When the frame's first byte reached this host, on its monotonic clock; 0: not known.
@@ -32,6 +29,9 @@ struct Frame {
   std::int64_t device_ns = 0;
   // As the source counts: gaps are frames that were lost on the way.
   std::uint64_t sequence = 0;
+  // Where every depth is a whole number up to 65535 times this, rounded to float: the frame can be
+  // kept in a 16-bit image without loss. 0: depths are any numbers.
+  double depth_scale_mm = 0;
 };
 
 }  // namespace binpick

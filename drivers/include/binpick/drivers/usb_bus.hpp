@@ -3,7 +3,6 @@
 // Takes nothing away from a program that is using a sensor. Thread-safe.
 #pragma once
 
-#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -44,8 +43,8 @@ void reset_usb_port(const std::string& serial_or_port);
 // there is; -1: not known.
 long usbfs_memory_limit_mib();
 
-// What to set when `buffer_count` frames in flight do not fit below the limit; empty: they do, or
-// nobody knows.
-std::string usbfs_memory_advice(long limit_mib, std::size_t payload_bytes, int buffer_count);
+// What to set when the transfers of so many sensors do not fit below the limit; empty: they do, or
+// nobody knows. A sensor's frames take the same whatever their size: see drivers/aravis.
+std::string usbfs_memory_advice(long limit_mib, int sensor_count);
 
 }  // namespace binpick::drivers
