@@ -31,9 +31,11 @@ TEST(GevCamera, TriggeredFramesHaveTheBitsOfTheirFiles) {
       EXPECT_EQ(f.camera.cy, camera.cy);
     }
     EXPECT_EQ(b.camera->counters().frames, 20u);
-    // A busy machine may lose packets for good; nothing else may happen.
+    // A busy machine may lose packets for good, or bring a frame after the next trigger; nothing
+    // else may happen.
     EXPECT_EQ(b.camera->counters().dropped_total(),
-              b.camera->counters().dropped_count(DropReason::kIncomplete));
+              b.camera->counters().dropped_count(DropReason::kIncomplete) +
+                  b.camera->counters().dropped_count(DropReason::kStale));
   }
 }
 
