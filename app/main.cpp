@@ -1,4 +1,5 @@
-// binpick: trains parts from CAD files, finds them in frames, and measures how well.
+// binpick: trains parts from CAD files, finds them in frames, measures how well, and talks to
+// stations as their PLC does.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -43,6 +44,7 @@ int run(int argc, char** argv) {
   add_sensors_command(app, exit_status);
   add_sensor_info_command(app, exit_status);
   add_capture_command(app, exit_status);
+  add_plc_command(app, exit_status);
   // CLI11 would only say that a command is missing.
   const auto is_first_word = [&](const CLI::App* command) {
     return command->get_name() == argv[1];

@@ -19,5 +19,6 @@ void add_trigger_command(CLI::App& app, int& exit_status);
 void add_sensors_command(CLI::App& app, int& exit_status);
 void add_sensor_info_command(CLI::App& app, int& exit_status);
 void add_capture_command(CLI::App& app, int& exit_status);
+void add_plc_command(CLI::App& app, int& exit_status);
 
 }  // namespace binpick::app

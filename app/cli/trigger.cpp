@@ -26,7 +26,7 @@ struct TriggerArguments {
 };
 
 struct Descriptor {
-  explicit Descriptor(int number) : number(number) {}
+  explicit Descriptor(int opened) : number(opened) {}
   ~Descriptor() {
     if (number >= 0) close(number);
   }

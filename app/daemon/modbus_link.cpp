@@ -1,5 +1,7 @@
 #include "daemon/modbus_link.hpp"
 
+#include <pthread.h>
+
 #include "daemon/answer_of_result.hpp"
 #include "sensor/sensor_spec.hpp"
 
@@ -61,6 +63,7 @@ void ModbusLink::stop() {
 }
 
 void ModbusLink::run() {
+  pthread_setname_np(pthread_self(), "modbus-link");
   modbus::TakenCommand taken;
   while (!stopping_) {
     if (inbox_.wait(taken, kTurn_ms)) take(taken);

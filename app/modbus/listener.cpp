@@ -15,6 +15,8 @@ namespace binpick::modbus {
 namespace {
 
 constexpr int kBacklog = 64;
+// Answers are 260 bytes: what the kernel keeps for a client that does not read is bounded too.
+constexpr int kSendBufferBytes = 16 * 1024;
 
 [[noreturn]] void fail(const std::string& bind_address, int port) {
   throw app::SetupError("cannot serve Modbus on " + bind_address + ":" + std::to_string(port) +
@@ -49,6 +51,7 @@ Listener listen_on(const std::string& bind_address, int port) {
 
 void tune_client_socket(int fd) {
   set(fd, IPPROTO_TCP, TCP_NODELAY, 1);
+  set(fd, SOL_SOCKET, SO_SNDBUF, kSendBufferBytes);
   set(fd, SOL_SOCKET, SO_KEEPALIVE, 1);
   set(fd, IPPROTO_TCP, TCP_KEEPIDLE, 4);
   set(fd, IPPROTO_TCP, TCP_KEEPINTVL, 2);

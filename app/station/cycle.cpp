@@ -121,7 +121,8 @@ StationState Cycle::begin(const Order& order) {
   result_.no_pick_reasons = 0;
   result_.times = {};
   result_.times.wait_ms = ms_between(order.received_ns, begun_ns_);
-  if (cycles(order.code)) {
+  // What cannot be understood might have been a cycle: no picks that look like its answer.
+  if (cycles(order.code) || order.refusal == Cause::kCommandUnknown) {
     result_.picks = {};
     result_.page = 0;
     result_.detections = 0;

@@ -1,5 +1,7 @@
 #include "station/station.hpp"
 
+#include <pthread.h>
+
 #include <algorithm>
 
 namespace binpick::app {
@@ -82,6 +84,7 @@ StationStatus Station::status() const {
 }
 
 void Station::work() {
+  pthread_setname_np(pthread_self(), "cycle");
   while (const std::optional<Order> order = next_order()) carry_out(*order);
 }
 

@@ -6,6 +6,7 @@
 
 import copy
 import csv
+import re
 import shutil
 import subprocess
 import sys
@@ -57,6 +58,16 @@ class FilesTest(unittest.TestCase):
             self.assertEqual(int(row["holding"]), 40001 + int(row["address"]))
             self.assertEqual(int(row["input"]), 30001 + int(row["address"]))
             self.assertTrue(row["text"])
+
+    def test_the_plc_block_uses_the_numbers_of_the_map(self):
+        number = re.compile(r"^ +(BP_\w+) : U?INT := (\d+);", re.MULTILINE)
+        folder = ROOT / "firmware-config/plc"
+        all_names = number.findall((folder / "binpick_registers.st").read_text())
+        self.assertEqual(len({name for name, _ in all_names}), len(all_names))
+        used = number.findall((folder / "binpick_client.st").read_text())
+        self.assertGreater(len(used), 30)
+        for name, value in used:
+            self.assertEqual(dict(all_names).get(name), value, name)
 
     def test_notation(self):
         self.assertEqual((notation(0, 4), notation(100, 3)), ("40001", "30101"))
