@@ -15,6 +15,7 @@
 #include "daemon/signals.hpp"
 #include "memory_plan.hpp"
 #include "metrics/metrics_server.hpp"
+#include "sensor/live_sensor.hpp"
 #include "sensor/session_source.hpp"
 #include "thread_pool.hpp"
 
@@ -71,6 +72,7 @@ class Daemon {
   std::array<StationSink*, 4> sinks_;
   std::size_t sink_count_ = 0;
   SensorSession session_;
+  ArrivalWatch arrivals_;
   SessionSource source_;
   Station station_;
   std::optional<MetricsServer> metrics_server_;

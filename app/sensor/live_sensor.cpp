@@ -13,28 +13,36 @@ std::string usb_serial_of(const std::string& uri) {
   return uri.starts_with(kUsbSerial) ? uri.substr(std::string(kUsbSerial).size()) : "";
 }
 
-SessionParams session_params(const drivers::CameraSpec& spec, SessionParams params) {
-  params.trigger = spec.trigger;
-  const std::string serial = usb_serial_of(spec.uri);
-  if (!serial.empty() && !params.recover)
-    params.recover = [serial] { drivers::reset_usb_port(serial); };
+SessionParams with_trigger(drivers::TriggerSource trigger, SessionParams params) {
+  params.trigger = trigger;
   return params;
 }
 
 }  // namespace
 
-LiveSensor::LiveSensor(const drivers::CameraSpec& spec, FramePool& pool, SessionParams params)
-    : session_([spec] { return drivers::open_camera(spec); }, pool,
-               session_params(spec, std::move(params))) {
-  const std::string serial = usb_serial_of(spec.uri);
+SessionParams with_port_reset(const std::string& uri, SessionParams params) {
+  const std::string serial = usb_serial_of(uri);
+  if (!serial.empty() && !params.recover)
+    params.recover = [serial] { drivers::reset_usb_port(serial); };
+  return params;
+}
+
+ArrivalWatch::ArrivalWatch(const std::string& uri, SensorSession& session) {
+  const std::string serial = usb_serial_of(uri);
   if (serial.empty()) return;
   try {
-    watcher_ = std::make_unique<drivers::UsbWatcher>([this, serial](const drivers::UsbEvent& e) {
-      if (e.arrived && e.sensor.serial == serial) session_.retry_now();
-    });
+    watcher_ =
+        std::make_unique<drivers::UsbWatcher>([&session, serial](const drivers::UsbEvent& e) {
+          if (e.arrived && e.sensor.serial == serial) session.retry_now();
+        });
   } catch (const drivers::SensorError& e) {
-    watch_fault_ = e.what();
+    fault_ = e.what();
   }
 }
+
+LiveSensor::LiveSensor(const drivers::CameraSpec& spec, FramePool& pool, SessionParams params)
+    : session_([spec] { return drivers::open_camera(spec); }, pool,
+               with_port_reset(spec.uri, with_trigger(spec.trigger, std::move(params)))),
+      arrivals_(spec.uri, session_) {}
 
 }  // namespace binpick::app
