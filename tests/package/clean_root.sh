@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs the package with apt into a new Debian root and looks at it there. Slow (a debootstrap), as
-# root, with network: not among the tests.
+# Installs the package with apt into a new Debian root and looks at it there. Slow (a debootstrap),
+# as root, with network: not among the tests.
 #   tests/package/clean_root.sh binpick_0.1.0_amd64.deb [SUITE]
 set -euo pipefail
 

@@ -68,8 +68,8 @@ def answer_lines(register_map):
         for register in picks["registers"]:
             found.append((picks["start"] + number * picks["size"] + register["offset"],
                           f"pick_{number + 1}_{register['name']}", register))
-    lines = ["// The answer's registers. varies: says when or in which order something happened, so it",
-             "// differs from one run to the next.",
+    lines = ["// The answer's registers. varies: says when or in which order something happened:",
+             "// so it differs from one run to the next.",
              "inline constexpr NamedRegister kAnswerRegisters[] = {"]
     for address, name, register in sorted(found, key=lambda entry: entry[0]):
         varies = "true" if register.get("varies") else "false"
