@@ -42,7 +42,7 @@ MemoryPlan make_memory_plan(const Config& config, const RecipeSet& recipes);
 // memory.lock, the system allows.
 void check_memory_plan(const MemoryPlan& plan, const MemoryConfig& config);
 
-// Locks all pages of the process, now and to come. Throws SetupError.
+// Locks all pages that the process has touched, and each that it comes to touch. Throws SetupError.
 void lock_memory();
 
 }  // namespace binpick::app
