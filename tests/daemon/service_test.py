@@ -141,9 +141,9 @@ class Reload(unittest.TestCase):
             station.process.send_signal(signal.SIGHUP)
             station.manager.wait("RELOADING=1")
             station.manager.wait("READY=1")
-            self.assertIn("reload: taken over: station.ranking", station.log())
-            self.assertIn("recipe 1: min_score", station.log())
-            self.assertIn("needs a restart: station.picks_max", station.log())
+            station.wait_log("reload: taken over: station.ranking")
+            station.wait_log("recipe 1: min_score")
+            station.wait_log("needs a restart: station.picks_max")
             for _ in range(2):
                 self.assertEqual(station.ask("detect")["picks"], [])
 
@@ -154,7 +154,7 @@ class Reload(unittest.TestCase):
             station.process.send_signal(signal.SIGHUP)
             station.manager.wait("RELOADING=1")
             station.manager.wait("READY=1")
-            self.assertIn("nothing is changed", station.log())
+            station.wait_log("nothing is changed")
             self.assertTrue(station.ask("detect")["ok"])
 
 

@@ -109,6 +109,14 @@ class Station:
             self.manager.wait("READY=1")
         return time.monotonic() - begun
 
+    def wait_log(self, text, seconds=10):
+        """Until the log has the text: its writer is a thread that nobody waits for."""
+        end = time.monotonic() + seconds
+        while text not in self.log():
+            if time.monotonic() > end:
+                raise AssertionError(f"not in the log: {text}\n{self.log()}")
+            time.sleep(0.02)
+
     def log(self):
         return Path(self.folder, "log").read_text()
 

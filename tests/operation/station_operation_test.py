@@ -180,7 +180,7 @@ class Operation(unittest.TestCase):
         while self.metrics(station)["binpick_recorder_failed_total"] < 3:
             self.assertLess(time.monotonic(), end)
             time.sleep(0.05)
-        self.assertIn("could not be recorded: No space left on device", station.log())
+        station.wait_log("could not be recorded: No space left on device")
         self.assertEqual(self.recordings(station), [])
 
 
