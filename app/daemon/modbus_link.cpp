@@ -2,8 +2,6 @@
 
 #include <pthread.h>
 
-#include <algorithm>
-
 #include "daemon/answer_of_result.hpp"
 #include "sensor/sensor_spec.hpp"
 

@@ -3,11 +3,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
 #include <thread>
 
 #include "gev_bench.hpp"
+#include "process_resources.hpp"
 #include "sensor/sensor_session.hpp"
 
 namespace binpick::drivers {
@@ -105,17 +104,6 @@ TEST(GevSession, TwoSensorsDoNotDisturbEachOther) {
     EXPECT_TRUE(b.equals_file(two.value().frame()));
   }
   EXPECT_EQ(first->status().losses + second->status().losses, 0u);
-}
-
-int entries_of(const char* folder) {
-  return static_cast<int>(std::distance(std::filesystem::directory_iterator(folder),
-                                        std::filesystem::directory_iterator{}));
-}
-
-long resident_pages() {
-  long size = 0, resident = 0;
-  std::ifstream("/proc/self/statm") >> size >> resident;
-  return resident;
 }
 
 // A busy machine loses packets: what counts here is what the attempts leave behind.

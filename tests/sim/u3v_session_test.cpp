@@ -4,10 +4,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
 #include <thread>
 
+#include "process_resources.hpp"
 #include "sensor/live_sensor.hpp"
 #include "tiny_scene.hpp"
 #include "u3v_bench.hpp"
@@ -230,17 +229,6 @@ TEST(U3vCamera, WaitsForSmallFramesWithoutFillingACore) {
   const double share = (processor_seconds() - before_s) / seconds_since(begun);
   std::printf("[ measured ] %.0f %% of a core while waiting\n", 100 * share);
   EXPECT_LT(share, 0.5);
-}
-
-int entries_of(const char* folder) {
-  return static_cast<int>(std::distance(std::filesystem::directory_iterator(folder),
-                                        std::filesystem::directory_iterator{}));
-}
-
-long resident_pages() {
-  long size = 0, resident = 0;
-  std::ifstream("/proc/self/statm") >> size >> resident;
-  return resident;
 }
 
 TEST(U3vCameraLife, AHundredStartsLeaveNothingBehind) {

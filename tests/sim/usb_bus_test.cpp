@@ -13,6 +13,7 @@
 
 #include "binpick/drivers/sensor_list.hpp"
 #include "binpick/drivers/usb_watcher.hpp"
+#include "process_resources.hpp"
 #include "u3v_bench.hpp"
 
 namespace binpick::drivers {
@@ -176,11 +177,6 @@ TEST(UsbWatcher, TellsWhoLeavesAndWhoArrives) {
   EXPECT_EQ(events[1].sensor.serial, "U1");
   EXPECT_EQ(events[1].sensor.node, "/dev/bus/usb/002/003");
   EXPECT_EQ(events[1].sensor.access_fault, "");
-}
-
-int entries_of(const char* folder) {
-  return static_cast<int>(std::distance(std::filesystem::directory_iterator(folder),
-                                        std::filesystem::directory_iterator{}));
 }
 
 TEST(UsbWatcher, EndsWithoutLeavingAnythingBehind) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "byte_order.hpp"
+#include "status_code.hpp"
 #include "transport_registers.hpp"
 
 namespace binpick::sim {
@@ -24,36 +25,6 @@ enum Command : std::uint16_t {
   kWriteMemory = 0x0086,
 };
 
-enum Status : std::uint16_t {
-  kSuccess = 0,
-  kNotImplemented = 0x8001,
-  kInvalidParameter = 0x8002,
-  kInvalidAddress = 0x8003,
-  kWriteProtect = 0x8004,
-  kBadAlignment = 0x8005,
-  kAccessDenied = 0x8006,
-  kBusy = 0x8007,
-  kInvalidHeader = 0x800e,
-};
-
-std::uint16_t status_of(AccessStatus status) {
-  switch (status) {
-    case AccessStatus::kOk:
-      return kSuccess;
-    case AccessStatus::kInvalidAddress:
-      return kInvalidAddress;
-    case AccessStatus::kBadAlignment:
-      return kBadAlignment;
-    case AccessStatus::kWriteProtected:
-      return kWriteProtect;
-    case AccessStatus::kInvalidParameter:
-      return kInvalidParameter;
-    case AccessStatus::kBusy:
-      return kBusy;
-  }
-  return kInvalidParameter;
-}
-
 // What an acknowledgement of a write says: how much of it was done.
 std::vector<std::uint8_t> index_payload(std::size_t index) {
   std::vector<std::uint8_t> payload(4, 0);
@@ -65,7 +36,7 @@ std::vector<std::uint8_t> index_payload(std::size_t index) {
 
 GvcpServer::Reply GvcpServer::discovery() {
   Reply reply{kSuccess, std::vector<std::uint8_t>(gev::kDiscoveryEnd)};
-  reply.status = status_of(device_.read(0, reply.payload));
+  reply.status = status_code(device_.read(0, reply.payload));
   return reply;
 }
 
@@ -78,8 +49,8 @@ GvcpServer::Reply GvcpServer::read_registers(std::span<const std::uint8_t> paylo
     const std::uint32_t address = get_be32(&payload[i]);
     std::uint8_t value[4];
     reply.status = device_.may_read(host, address) == GevDevice::Verdict::kDenied
-                       ? std::uint16_t{kAccessDenied}
-                       : status_of(device_.read(address, value));
+                       ? kAccessDenied
+                       : status_code(device_.read(address, value));
     if (reply.status != kSuccess) break;  // with the values up to here
     reply.payload.insert(reply.payload.end(), value, value + 4);
   }
@@ -93,8 +64,8 @@ GvcpServer::Reply GvcpServer::write_registers(std::span<const std::uint8_t> payl
     const std::uint32_t address = get_be32(&payload[i]);
     const std::uint16_t status =
         device_.may_write(host, address) == GevDevice::Verdict::kDenied
-            ? std::uint16_t{kAccessDenied}
-            : status_of(device_.write(host, address, payload.subspan(i + 4, 4)));
+            ? kAccessDenied
+            : status_code(device_.write(host, address, payload.subspan(i + 4, 4)));
     if (status != kSuccess) return {status, index_payload(i / 8)};
   }
   return {kSuccess, index_payload(payload.size() / 8)};
@@ -109,7 +80,7 @@ GvcpServer::Reply GvcpServer::read_memory(std::span<const std::uint8_t> payload,
   if (device_.may_read(host, address) == GevDevice::Verdict::kDenied) return {kAccessDenied, {}};
   Reply reply{kSuccess, std::vector<std::uint8_t>(4 + size)};
   std::copy_n(payload.begin(), 4, reply.payload.begin());
-  reply.status = status_of(device_.read(address, std::span(reply.payload).subspan(4)));
+  reply.status = status_code(device_.read(address, std::span(reply.payload).subspan(4)));
   if (reply.status != kSuccess) reply.payload.clear();
   return reply;
 }
@@ -122,7 +93,7 @@ GvcpServer::Reply GvcpServer::write_memory(std::span<const std::uint8_t> payload
   if (device_.may_write(host, address) == GevDevice::Verdict::kDenied)
     return {kAccessDenied, index_payload(0)};
   const auto bytes = payload.subspan(4);
-  const std::uint16_t status = status_of(device_.write(host, address, bytes));
+  const std::uint16_t status = status_code(device_.write(host, address, bytes));
   return {status, index_payload(status == kSuccess ? bytes.size() : 0)};
 }
 

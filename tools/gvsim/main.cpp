@@ -20,6 +20,7 @@
 #include "gev_device.hpp"
 #include "gvcp_server.hpp"
 #include "gvcp_socket.hpp"
+#include "steering.hpp"
 
 namespace binpick::sim {
 namespace {
@@ -100,12 +101,6 @@ void add_options(CLI::App& app, Options& o) {
   app.footer(footer());
 }
 
-// "NAME=VALUE" in two.
-std::pair<std::string, std::string> split(const std::string& text) {
-  const std::size_t equal = text.find('=');
-  return {text.substr(0, equal), equal == std::string::npos ? "" : text.substr(equal + 1)};
-}
-
 class Simulator {
  public:
   explicit Simulator(const Options& o)
@@ -116,16 +111,7 @@ class Simulator {
         server_(device_),
         sockets_(gev_options(o).address, server_, faults_),
         control_(o.control, [this](const std::string& line) { return handle(line); }) {
-    for (const std::string& fault : o.faults) {
-      const auto [name, value] = split(fault);
-      const std::string wrong = faults_.set(name, value);
-      if (!wrong.empty()) throw std::runtime_error("--fault " + fault + ": " + wrong);
-    }
-    for (const std::string& lie : o.false_values) {
-      const auto [feature, value] = split(lie);
-      const std::string wrong = sensor_.tell_falsely(feature, value);
-      if (!wrong.empty()) throw std::runtime_error("--false " + lie + ": " + wrong);
-    }
+    set_at_start(o.faults, o.false_values, faults_, sensor_);
     sensor_.set_commands({[this] { device_.acquisition().start(); },
                           [this] { device_.acquisition().stop(); },
                           [this] { device_.acquisition().trigger(kSourceSoftware); },
@@ -189,33 +175,19 @@ class Simulator {
     return text.str();
   }
 
-  std::string handle(const std::string& line) {
-    std::istringstream words(line);
-    std::string verb, first, second, surplus;
-    words >> verb >> first >> second >> surplus;
-    if (!surplus.empty()) return "err too many words";
-    if (verb == "fault" && !second.empty()) {
-      const std::string wrong = faults_.set(first, second);
-      if (!wrong.empty()) return "err " + wrong;
-      if (faults_.on(kRefuse)) device_.release_control();
-      return "ok";
+  std::string handle(const std::string& text) {
+    const std::optional<SteeringLine> line = parse_line(text);
+    if (!line) return "err too many words";
+    const auto answer = steer(*line, faults_, sensor_, device_.acquisition());
+    if (answer) {
+      if (line->verb == "fault" && *answer == "ok" && faults_.on(kRefuse))
+        device_.release_control();
+      return *answer;
     }
-    if (verb == "false" && !second.empty()) {
-      const std::string wrong = sensor_.tell_falsely(first, second);
-      return wrong.empty() ? "ok" : "err " + wrong;
-    }
-    if (verb == "clear" && first.empty()) {
-      faults_.clear();
-      sensor_.tell_the_truth();
-    } else if (verb == "trigger" && (first.empty() || first == "Line0" || first == "Line1")) {
-      device_.acquisition().trigger(first == "Line1" ? kSourceLine1 : kSourceLine0);
-    } else if (verb == "status") {
-      return status();
-    } else if (verb == "release") {
+    if (line->verb == "status") return status();
+    if (line->verb == "release") {
       device_.release_control();
-    } else if (verb == "kill") {
-      _exit(137);
-    } else if (verb == "quit") {
+    } else if (line->verb == "quit") {
       quit_ = true;
     } else {
       return "err not understood (see --help)";

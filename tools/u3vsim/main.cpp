@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "control_port.hpp"
+#include "steering.hpp"
 #include "u3v_device.hpp"
 #include "usb_testbed.hpp"
 #include "usbfs_emulation.hpp"
@@ -95,12 +96,6 @@ void add_options(CLI::App& app, Options& o) {
   app.footer(footer());
 }
 
-// "NAME=VALUE" in two.
-std::pair<std::string, std::string> split(const std::string& text) {
-  const std::size_t equal = text.find('=');
-  return {text.substr(0, equal), equal == std::string::npos ? "" : text.substr(equal + 1)};
-}
-
 class Simulator {
  public:
   explicit Simulator(const Options& o)
@@ -111,16 +106,7 @@ class Simulator {
         usbfs_(device_, faults_, o.name),
         bed_(usbfs_, {o.name, o.usb2, o.usbfs_memory_mib}),
         control_(o.control, [this](const std::string& line) { return handle(line); }) {
-    for (const std::string& fault : o.faults) {
-      const auto [name, value] = split(fault);
-      const std::string wrong = faults_.set(name, value);
-      if (!wrong.empty()) throw std::runtime_error("--fault " + fault + ": " + wrong);
-    }
-    for (const std::string& lie : o.false_values) {
-      const auto [feature, value] = split(lie);
-      const std::string wrong = sensor_.tell_falsely(feature, value);
-      if (!wrong.empty()) throw std::runtime_error("--false " + lie + ": " + wrong);
-    }
+    set_at_start(o.faults, o.false_values, faults_, sensor_);
     sensor_.set_commands({[this] { device_.acquisition().start(); },
                           [this] { device_.acquisition().stop(); },
                           [this] { device_.acquisition().trigger(kSourceSoftware); },
@@ -169,34 +155,17 @@ class Simulator {
     return text.str();
   }
 
-  std::string handle(const std::string& line) {
-    std::istringstream words(line);
-    std::string verb, first, second, surplus;
-    words >> verb >> first >> second >> surplus;
-    if (!surplus.empty()) return "err too many words";
-    if (verb == "fault" && !second.empty()) {
-      const std::string wrong = faults_.set(first, second);
-      return wrong.empty() ? "ok" : "err " + wrong;
-    }
-    if (verb == "false" && !second.empty()) {
-      const std::string wrong = sensor_.tell_falsely(first, second);
-      return wrong.empty() ? "ok" : "err " + wrong;
-    }
-    if (verb == "clear" && first.empty()) {
-      faults_.clear();
-      sensor_.tell_the_truth();
-    } else if (verb == "unplug") {
+  std::string handle(const std::string& text) {
+    const std::optional<SteeringLine> line = parse_line(text);
+    if (!line) return "err too many words";
+    if (const auto answer = steer(*line, faults_, sensor_, device_.acquisition())) return *answer;
+    if (line->verb == "status") return status();
+    if (line->verb == "unplug") {
       bed_.unplug();
       device_.power_cycle();
-    } else if (verb == "plug") {
+    } else if (line->verb == "plug") {
       bed_.plug();
-    } else if (verb == "trigger" && (first.empty() || first == "Line0" || first == "Line1")) {
-      device_.acquisition().trigger(first == "Line1" ? kSourceLine1 : kSourceLine0);
-    } else if (verb == "status") {
-      return status();
-    } else if (verb == "kill") {
-      _exit(137);
-    } else if (verb == "quit") {
+    } else if (line->verb == "quit") {
       quit_ = true;
     } else {
       return "err not understood (see --help)";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "status_code.hpp"
 #include "transport_registers.hpp"
 
 namespace binpick::sim {
@@ -20,36 +21,6 @@ constexpr std::uint16_t kDataDiscarded = 0xa100;
 constexpr std::uint32_t kControlMax = 1024;  // bytes of one command or acknowledgement
 // Frames waiting for the host to fetch them; a sensor has little memory of its own.
 constexpr int kFramesQueuedMax = 2;
-
-enum Status : std::uint16_t {
-  kSuccess = 0,
-  kNotImplemented = 0x8001,
-  kInvalidParameter = 0x8002,
-  kInvalidAddress = 0x8003,
-  kWriteProtect = 0x8004,
-  kBadAlignment = 0x8005,
-  kAccessDenied = 0x8006,
-  kBusy = 0x8007,
-  kInvalidHeader = 0x800e,
-};
-
-std::uint16_t status_of(AccessStatus status) {
-  switch (status) {
-    case AccessStatus::kOk:
-      return kSuccess;
-    case AccessStatus::kInvalidAddress:
-      return kInvalidAddress;
-    case AccessStatus::kBadAlignment:
-      return kBadAlignment;
-    case AccessStatus::kWriteProtected:
-      return kWriteProtect;
-    case AccessStatus::kInvalidParameter:
-      return kInvalidParameter;
-    case AccessStatus::kBusy:
-      return kBusy;
-  }
-  return kInvalidParameter;
-}
 
 std::uint16_t le16(std::span<const std::uint8_t> bytes, std::size_t at) {
   return get<std::uint16_t>(&bytes[at], ByteOrder::kLittle);
@@ -143,7 +114,7 @@ std::uint16_t U3vDevice::execute(std::uint16_t command, std::span<const std::uin
     const std::size_t size = le16(payload, 10);
     if (size == 0 || size > kControlMax - kHeader) return kInvalidParameter;
     answer.resize(size);
-    const std::uint16_t status = status_of(read(le64(payload, 0), answer));
+    const std::uint16_t status = status_code(read(le64(payload, 0), answer));
     if (status != kSuccess) answer.clear();
     return status;
   }
@@ -151,7 +122,7 @@ std::uint16_t U3vDevice::execute(std::uint16_t command, std::span<const std::uin
     if (payload.size() <= 8) return kInvalidHeader;
     if (faults_.on(kRefuse)) return kAccessDenied;
     const auto bytes = payload.subspan(8);
-    const std::uint16_t status = status_of(write(le64(payload, 0), bytes));
+    const std::uint16_t status = status_code(write(le64(payload, 0), bytes));
     answer.assign(4, 0);
     put_le16(&answer[2], static_cast<std::uint16_t>(status == kSuccess ? bytes.size() : 0));
     return status;
