@@ -14,7 +14,8 @@ namespace binpick {
 
 // How many candidates survive at each depth, counted from the scan depth. A place is a square with
 // a fifth of the part's image diameter as its side: the limit per place leaves room for poorly
-// visible parts.
+// visible parts, the one per viewpoint of the scan (origin) for sides that fit less than plain
+// ones.
 struct SearchParams {
   double score_min = 0.9;  // of both modalities together, 0..2, at every depth
   int candidates_max[4] = {16000, 10000, 6000, 6000};
