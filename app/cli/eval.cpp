@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cli/arguments.hpp"
 #include "cli/commands.hpp"
@@ -26,7 +27,7 @@ namespace {
 constexpr std::size_t kPicturesMax = 12;
 
 struct Options {
-  std::string dataset, csv, split = "test", scenes, objects, model_cache, json, report;
+  std::string dataset, csv, evidence, split = "test", scenes, objects, model_cache, json, report;
   std::string layout = "rearranged", isa = "best";
   int threads = default_thread_count();
   double threshold = DetectRequest{}.min_score;
@@ -89,14 +90,18 @@ std::vector<ModelOrigin> search(const Options& options, const drivers::BopDatase
   ThreadPool pool(options.threads);
   const ModelCache cache(options.model_cache);
   BopResultsWriter writer(options.csv);
+  std::optional<EvidenceWriter> evidence;
+  if (!options.evidence.empty()) evidence.emplace(options.evidence);
+  const EvalOutput output{&writer, evidence ? &*evidence : nullptr};
   std::vector<ModelOrigin> origins;
   for (const CameraGroup& group : plan.cameras) {
     const ModelSet models =
         make_model_set({dataset, plan, group, parts, cache, options.train}, pool, talk, run.faults);
     origins.insert(origins.end(), models.origins().begin(), models.origins().end());
-    run_group(dataset, plan, group, models, options.settings, pool, talk, &writer, run);
+    run_group(dataset, plan, group, models, options.settings, pool, talk, output, run);
   }
   writer.close();
+  if (evidence) evidence->close();
   return origins;
 }
 
@@ -157,6 +162,7 @@ void add_eval_command(CLI::App& app, int& exit_status) {
       app.add_subcommand("eval", "Train, search and score every frame of a BOP data set");
   command->add_option("dataset", o->dataset, "Folder in BOP layout")->required();
   command->add_option("--csv", o->csv, "BOP results file to write")->required();
+  command->add_option("--evidence", o->evidence, "Also write what each score is made of, as CSV");
   command->add_option("--split", o->split, "Folder of the scenes")->capture_default_str();
   command->add_option("--scenes", o->scenes, "Scenes, such as 1,2,5-7; all when left out");
   command->add_option("--objects", o->objects, "Objects, such as 1,3; all when left out");

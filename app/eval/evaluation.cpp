@@ -48,11 +48,12 @@ DetectorLimits limits_of(const EvalPlan& plan, const CameraGroup& group, const L
 }
 
 void keep_report(const DetectionReport& report, const WantedFrame& wanted, const ModelSet& models,
-                 double time_s, BopResultsWriter* writer, EvalRun& run) {
+                 double time_s, const EvalOutput& output, EvalRun& run) {
   for (const Detection& d : report.detections) {
     const int obj_id = models.origins()[static_cast<std::size_t>(d.model_index)].obj_id;
     const ResultRow row{wanted.id, obj_id, d.score, d.T_cam_obj, time_s};
-    if (writer != nullptr) writer->add(row);
+    if (output.results != nullptr) output.results->add(row);
+    if (output.evidence != nullptr) output.evidence->add(row, d.score_terms);
     run.rows.push_back(row);
   }
   FrameRun& frame = run.frames[wanted.id];
@@ -73,7 +74,7 @@ std::map<FrameId, double> EvalRun::times_s() const {
 
 void run_group(const drivers::BopDataset& dataset, const EvalPlan& plan, const CameraGroup& group,
                const ModelSet& models, const EvalSettings& settings, WorkerPool& pool,
-               const EvalTalk& talk, BopResultsWriter* writer, EvalRun& run) {
+               const EvalTalk& talk, const EvalOutput& output, EvalRun& run) {
   std::map<std::pair<int, int>, std::unique_ptr<SizedDetector>> detectors;
   const auto fault = [&](const FrameId& id, const std::string& what) {
     run.faults.push_back("frame " + drivers::frame_name(id) + ": " + what);
@@ -114,7 +115,7 @@ void run_group(const drivers::BopDataset& dataset, const EvalPlan& plan, const C
     const Result<DetectionReport> report = sized->detector().detect(view, request);
     const double time_s = static_cast<double>(monotonic_ns() - begin_ns) * 1e-9;
     if (report.ok()) {
-      keep_report(report.value(), wanted, models, time_s, writer, run);
+      keep_report(report.value(), wanted, models, time_s, output, run);
     } else {
       fault(wanted.id, error_text(report.error()));
     }

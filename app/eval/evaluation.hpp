@@ -8,6 +8,7 @@
 #include "binpick/detect/detector.hpp"
 #include "eval/bop_results.hpp"
 #include "eval/eval_plan.hpp"
+#include "eval/evidence_csv.hpp"
 #include "eval/model_set.hpp"
 
 namespace binpick::app {
@@ -31,13 +32,19 @@ struct EvalRun {
 struct EvalSettings {
   DetectorParams params;
   int max_results = 64;
-  double min_score = 0.1;  // low on purpose: the score's threshold is chosen afterwards
+  double min_score = 0.01;  // low on purpose: the score's threshold is chosen afterwards
 };
 
-// The frames of one camera group, in the order of the plan. `writer` may be null. What goes wrong
+// Files that detections go to as they are found; either may be null.
+struct EvalOutput {
+  BopResultsWriter* results = nullptr;
+  EvidenceWriter* evidence = nullptr;
+};
+
+// The frames of one camera group, in the order of the plan. What goes wrong
 // with a frame is noted, and the next one follows.
 void run_group(const drivers::BopDataset& dataset, const EvalPlan& plan, const CameraGroup& group,
                const ModelSet& models, const EvalSettings& settings, WorkerPool& pool,
-               const EvalTalk& talk, BopResultsWriter* writer, EvalRun& run);
+               const EvalTalk& talk, const EvalOutput& output, EvalRun& run);
 
 }  // namespace binpick::app

@@ -6,6 +6,7 @@
 #include "pose/icp.hpp"
 #include "pose/pnp.hpp"
 #include "pose/refine.hpp"
+#include "pose/score.hpp"
 
 namespace binpick {
 namespace {
@@ -46,6 +47,14 @@ bool same_pose(const Hypothesis& a, const Hypothesis& b, double position_mm, dou
   return a.candidate.model == b.candidate.model &&
          (a.T_cam_centre.t_mm - b.T_cam_centre.t_mm).squaredNorm() < position_mm * position_mm &&
          rotation_angle_between(a.T_cam_centre.R, b.T_cam_centre.R) < rotation_rad;
+}
+
+ScoreTerms terms_of(const Hypothesis& h) {
+  return score_terms(h.evidence, static_cast<double>(h.candidate.score) / kScoreOne);
+}
+
+double score_of(const Hypothesis& h) {
+  return probability(log_odds(terms_of(h)));
 }
 
 bool better_hypothesis(const Hypothesis& a, const Hypothesis& b) {
@@ -100,7 +109,7 @@ void run_refine(const PoseContext& context, std::span<Hypothesis> hypotheses) {
 void run_verify(const PoseContext& context, std::span<Hypothesis> hypotheses) {
   for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
     h.evidence = verify(model, context.scene, h.T_cam_centre);
-    h.rank = h.evidence.explained_mm2();
+    h.rank = h.evidence.explained_mm2 * score_of(h);
   });
 }
 

@@ -27,6 +27,8 @@ struct Hypothesis {
   }
 };
 
+ScoreTerms terms_of(const Hypothesis& h);
+double score_of(const Hypothesis& h);  // probability that its pose is right
 // Living before dropped, then by rank; a total order.
 bool better_hypothesis(const Hypothesis& a, const Hypothesis& b);
 // Whether two poses of one model differ by less than the limits.

@@ -33,6 +33,18 @@ struct Scene {
     const bool inside = u >= 0 && v >= 0 && u < depth.width && v < depth.height;
     return {u, v, inside ? static_cast<double>(depth.depth_mm[v * depth.stride + u]) : 0.0};
   }
+  // Measured depth at a pixel of level 0; 0 where there is none.
+  double measured_px(const Vec2& pixel) const {
+    const double scale = 1 << kFeatureLevel;
+    const int u = static_cast<int>(std::lround((pixel.x() + 0.5) / scale - 0.5));
+    const int v = static_cast<int>(std::lround((pixel.y() + 0.5) / scale - 0.5));
+    const bool inside = u >= 0 && v >= 0 && u < depth.width && v < depth.height;
+    return inside ? static_cast<double>(depth.depth_mm[v * depth.stride + u]) : 0.0;
+  }
+  // Area in the image of what faces the camera at this depth.
+  double px2_per_mm2(double depth_mm) const {
+    return intensity.camera.fx * intensity.camera.fy / (depth_mm * depth_mm);
+  }
 };
 
 }  // namespace binpick

@@ -13,8 +13,8 @@ namespace {
 // Normals of model and measurement that differ by more than this do not support each other.
 constexpr double kNormalCosMin = 0.75;
 constexpr int kContourRangePx = 3;
-// What must be measured of a part before its score counts fully.
-constexpr double kMeasuredEnough = 0.35;
+// From an outline to what is looked at on either side of it, beyond what a sensor smears.
+constexpr double kBesidePx = 4;
 
 struct Tolerances {
   double fit_mm, conflict_mm;
@@ -29,8 +29,10 @@ Tolerances tolerances(const ObjectModel& model, const Scene& scene, const Pose& 
 void add_surface(const ObjectModel& model, const Scene& scene, const Pose& T, const Viewpoint& view,
                  Evidence& e) {
   const Tolerances tolerance = tolerances(model, scene, T);
+  const double view_area = static_cast<double>(view.sample_area_mm2);
   float residuals[512];
   int residual_count = 0;
+  const Vec3 sampled_from = -viewing_direction(view);
   for (const SurfaceSample& s : model.surface(view)) {
     const Vec3 p = T * position_of(s);
     const Vec3 n = T.R * normal_of(s);
@@ -49,7 +51,13 @@ void add_surface(const ObjectModel& model, const Scene& scene, const Pose& T, co
       ++e.measured;
       const double fit = std::exp(-0.5 * r * r / (tolerance.fit_mm * tolerance.fit_mm));
       const double agreement = normal_agreement(scene, u, v, p, n);
-      e.supported += fit * std::clamp((agreement - kNormalCosMin + 0.15) / 0.15, 0.2, 1.0);
+      const double support = fit * std::clamp((agreement - kNormalCosMin + 0.15) / 0.15, 0.2, 1.0);
+      e.supported += support;
+      // A sample stands for the same area of the surface from wherever it is seen; the stored one
+      // is as projected from its viewpoint, which is off by up to half the viewpoints' spacing.
+      const double facing = -n.dot(p) / p.norm(), facing_then = normal_of(s).dot(sampled_from);
+      e.explained_mm2 +=
+          support * view_area * std::clamp(facing / std::max(facing_then, 0.05), 0.0, 2.0);
       if (residual_count < 512) residuals[residual_count++] = static_cast<float>(std::fabs(r));
     }
   }
@@ -73,21 +81,49 @@ bool on_depth_edge(const Scene& scene, const Vec3& point_cam, const Vec2& normal
   return (steps & near) != 0;
 }
 
+// Whether the surface at the contour goes on beyond it: near depth on both sides.
+bool continues(const Scene& scene, const ContourPlace& place, double tolerance_mm) {
+  const auto beside = [&](double offset_px) {
+    const Vec2 px = place.pixel + offset_px * place.normal_px;
+    return scene.measured_px(px);
+  };
+  const double a = beside(kBesidePx), b = beside(-kBesidePx);
+  return a > 0 && b > 0 && std::abs(a - b) < 0.5 * tolerance_mm &&
+         std::abs(a - place.point_cam.z()) < tolerance_mm;
+}
+
+void add_crease(const ContourPlace& place, const Scene& scene, Evidence& e) {
+  ++e.creases;
+  const ContourMatch m = match_contour(place, scene, kContourRangePx);
+  if (m.found) e.creases_supported += 1 - std::abs(m.offset_px) / (kContourRangePx + 1);
+}
+
+void add_outline(const ContourPlace& place, const Scene& scene, double tolerance_mm, Evidence& e) {
+  ++e.contours;
+  e.outline_continued += continues(scene, place, tolerance_mm);
+  if (on_depth_edge(scene, place.point_cam, place.normal_px)) {
+    ++e.outline_steps;
+    e.contours_supported += 1;
+    return;
+  }
+  const ContourMatch m = match_contour(place, scene, kContourRangePx);
+  if (!m.found) return;
+  ++e.outline_matches;
+  e.outline_offset_px += std::abs(m.offset_px);
+  e.contours_supported += 0.6 + 0.4 * (1 - std::abs(m.offset_px) / (kContourRangePx + 1));
+}
+
 void add_contours(const ObjectModel& model, const Scene& scene, const Pose& T,
                   const Viewpoint& view, Evidence& e) {
   const double tolerance_mm = 2 * tolerances(model, scene, T).conflict_mm;
   for (const ContourSample& s : model.contour(view)) {
-    if (s.is_silhouette < 0.5f) continue;
     const ContourPlace place = place_contour(s, scene, T, kContourRangePx, tolerance_mm);
     if (!place.visible) continue;
-    ++e.contours;
-    if (on_depth_edge(scene, place.point_cam, place.normal_px)) {
-      e.contours_supported += 1;
-      continue;
+    if (s.is_silhouette < 0.5f) {
+      add_crease(place, scene, e);
+    } else {
+      add_outline(place, scene, tolerance_mm, e);
     }
-    const ContourMatch m = match_contour(place, scene, kContourRangePx);
-    if (m.found)
-      e.contours_supported += 0.6 + 0.4 * (1 - std::abs(m.offset_px) / (kContourRangePx + 1));
   }
 }
 
@@ -102,20 +138,10 @@ double normal_agreement(const Scene& scene, int u, int v, const Vec3& p, const V
   return n_cam.dot(rotation_between(Vec3::UnitZ(), p.normalized()) * n_ray);
 }
 
-double Evidence::score() const {
-  const double seen = std::min(1.0, measured_fraction() / kMeasuredEnough);
-  return depth_support() * contour_support() * contour_support() * seen;
-}
-
-double Evidence::explained_mm2() const {
-  const double fit = score();
-  return supported * sample_area_mm2 * fit * fit * fit;
-}
-
 Evidence verify(const ObjectModel& model, const Scene& scene, const Pose& T) {
   Evidence e;
   const Viewpoint& view = nearest_viewpoint(model, T);
-  e.sample_area_mm2 = static_cast<double>(view.sample_area_mm2);
+  e.px2_per_mm2 = scene.px2_per_mm2(T.t_mm.z());
   add_surface(model, scene, T, view, e);
   add_contours(model, scene, T, view, e);
   return e;

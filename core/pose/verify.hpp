@@ -15,8 +15,18 @@ struct Evidence {
   int unknown = 0;       // no depth there
   int contours = 0;      // contour points that nothing hides
   double contours_supported = 0;
-  double residual_mm = 0;      // median |point to plane| of the supported samples
-  double sample_area_mm2 = 0;  // projected area that a sample stands for
+  int outline_steps = 0;         // contour points on a depth step of their direction
+  int outline_continued = 0;     // contour points with one smooth surface on both sides
+  int outline_matches = 0;       // contour points beside an intensity edge, not on a depth step
+  double outline_offset_px = 0;  // sum of their distances to it
+  int creases = 0;               // crease points that nothing hides
+  double creases_supported = 0;
+  double residual_mm = 0;  // median |point to plane| of the supported samples
+  // How much of the scene the pose explains, in the image's projection. Of two poses that fit the
+  // same pixels, the one that also explains their neighbours is right: a pipe seen end to end is
+  // not a tee whose branch points away.
+  double explained_mm2 = 0;
+  double px2_per_mm2 = 0;  // of the image, at the part's distance
 
   double visible_fraction() const {
     return samples > 0 ? 1.0 - static_cast<double>(hidden) / samples : 0;
@@ -30,12 +40,6 @@ struct Evidence {
   double measured_fraction() const {
     return samples > 0 ? static_cast<double>(measured + contradicted) / samples : 0;
   }
-  // How right the pose is, in [0, 1]: what is seen of the part fits.
-  double score() const;
-  // How much of the scene the pose explains, in mm^2 discounted by misfit. Of two poses that fit
-  // the same pixels, the one that also explains their neighbours is right: a pipe seen end to end
-  // is not a tee whose branch points away.
-  double explained_mm2() const;
 };
 
 // Cosine between a model normal (camera axes) at a point and the normal measured at a pixel; 1

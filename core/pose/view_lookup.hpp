@@ -8,6 +8,12 @@ namespace binpick {
 // The leaf viewpoint nearest to the direction from which the camera sees the part at this pose.
 const Viewpoint& nearest_viewpoint(const ObjectModel& model, const Pose& T_cam_centre);
 
+// Along which the camera looks at the part from a viewpoint, in object axes.
+inline Vec3 viewing_direction(const Viewpoint& v) {
+  return {static_cast<double>(v.R_view_obj[6]), static_cast<double>(v.R_view_obj[7]),
+          static_cast<double>(v.R_view_obj[8])};
+}
+
 inline Vec3 position_of(const SurfaceSample& s) {
   return {static_cast<double>(s.position_mm[0]), static_cast<double>(s.position_mm[1]),
           static_cast<double>(s.position_mm[2])};

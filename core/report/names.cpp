@@ -54,4 +54,32 @@ const char* stage_name(Stage stage) {
   return "unknown";
 }
 
+const char* score_term_name(ScoreTerm term) {
+  switch (term) {
+    case ScoreTerm::kDepthSupport:
+      return "depth_support";
+    case ScoreTerm::kContourSupport:
+      return "contour_support";
+    case ScoreTerm::kMeasured:
+      return "measured";
+    case ScoreTerm::kSupportedArea:
+      return "supported_area";
+    case ScoreTerm::kContradicted:
+      return "contradicted";
+    case ScoreTerm::kHidden:
+      return "hidden";
+    case ScoreTerm::kOutlineSteps:
+      return "outline_steps";
+    case ScoreTerm::kOutlineContinued:
+      return "outline_continued";
+    case ScoreTerm::kOutlineOffset:
+      return "outline_offset";
+    case ScoreTerm::kCreases:
+      return "creases";
+    case ScoreTerm::kTemplate:
+      return "template";
+  }
+  return "unknown";
+}
+
 }  // namespace binpick

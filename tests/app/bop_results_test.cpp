@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "eval/evidence_csv.hpp"
 #include "temporary_folder.hpp"
 
 using testing::HasSubstr;
@@ -104,6 +105,32 @@ TEST(BopResults, GiveTheLargestTimeOfAFrame) {
   const auto times = times_of_frames(rows);
   EXPECT_EQ(times.size(), 1u);
   EXPECT_EQ(times.at({1, 2}), 0.3);
+}
+
+TEST(EvidenceCsv, HasOneColumnForEachTerm) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("evidence.csv");
+  ResultRow row;
+  row.frame = {3, 14};
+  row.obj_id = 2;
+  row.score = 0.75;
+  row.T_cam_obj.t_mm = {1.5, -2, 700};
+  ScoreTerms terms{};
+  for (std::size_t i = 0; i < terms.size(); ++i) terms[i] = 0.5 * static_cast<double>(i) - 1;
+  EvidenceWriter writer(path);
+  writer.add(row, terms);
+  writer.close();
+
+  std::ifstream file(path);
+  std::string header, line, more;
+  std::getline(file, header);
+  std::getline(file, line);
+  EXPECT_EQ(header,
+            "scene_id,im_id,obj_id,score,R,t,depth_support,contour_support,measured,supported_area,"
+            "contradicted,hidden,outline_steps,outline_continued,outline_offset,creases,template");
+  EXPECT_EQ(line, "3,14,2,0.75,1 0 0 0 1 0 0 0 1,1.5 -2 700,-1,-0.5,0,0.5,1,1.5,2,2.5,3,3.5,4");
+  EXPECT_FALSE(std::getline(file, more));
+  EXPECT_THROW(EvidenceWriter("/nowhere/evidence.csv"), drivers::DatasetError);
 }
 
 }  // namespace

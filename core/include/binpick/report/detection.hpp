@@ -9,17 +9,36 @@
 
 namespace binpick {
 
+// What the score is made of; see core/pose/score.hpp. The order is that of the weights.
+enum class ScoreTerm : int {
+  kDepthSupport = 0,  // log of: share of the measured surface that lies where the model's is
+  kContourSupport,    // log of: share of the visible outline on an image or depth edge
+  kMeasured,          // log of: share of the visible surface with a measurement, 1 from 35 % on
+  kSupportedArea,     // log of: pixels of the image that the pose explains
+  kContradicted,      // share of the visible surface with something measured behind it
+  kHidden,            // share of it with something in front
+  kOutlineSteps,      // share of the visible outline on a depth step of its direction
+  kOutlineContinued,  // share of it with one smooth surface on both sides
+  kOutlineOffset,     // px from the outline to the image edges beside it, on average
+  kCreases,           // share of the visible creases on an image edge
+  kTemplate,          // score of the matched template, 0..2
+};
+inline constexpr int kScoreTermCount = 11;
+const char* score_term_name(ScoreTerm term);  // snake_case, as written to CSV
+using ScoreTerms = std::array<double, kScoreTermCount>;
+
 // One accepted pose.
 struct Detection {
   int model_index = 0;          // index into the models the detector was made with
   Pose T_cam_obj;               // object to camera, mm
-  double score = 0;             // verification score in [0, 1]
+  double score = 0;             // probability that the pose is right, in [0, 1]
   double visible_fraction = 0;  // share of the model's visible surface that the scene does not hide
   double depth_support = 0;     // of the visible surface with a measurement: share that agrees
   double contour_support = 0;   // share of the visible contour that lies on an image or depth edge
   double depth_residual_mm = 0;  // median |point-to-plane residual| over the supported surface
   double template_score = 0;     // sum of the two modalities' scores at the matched leaf, in [0, 2]
   int template_index = -1;       // the matched leaf of the pose tree
+  ScoreTerms score_terms{};
 };
 
 // Why a candidate did not become a detection.

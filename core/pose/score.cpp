@@ -1,0 +1,56 @@
+#include "pose/score.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pose/score_weights.hpp"
+
+namespace binpick {
+namespace {
+
+// What must be measured of a part before it counts fully.
+constexpr double kMeasuredEnough = 0.35;
+// Shares below this are as good as none.
+constexpr double kShareMin = 0.02;
+
+double log_share(double share) {
+  return std::log(std::max(share, kShareMin));
+}
+
+double share(double part, int of) {
+  return of > 0 ? part / of : 0;
+}
+
+}  // namespace
+
+ScoreTerms score_terms(const Evidence& e, double template_score) {
+  ScoreTerms terms{};
+  const auto set = [&](ScoreTerm term, double value) {
+    terms[static_cast<std::size_t>(term)] = value;
+  };
+  set(ScoreTerm::kDepthSupport, log_share(e.depth_support()));
+  set(ScoreTerm::kContourSupport, log_share(e.contour_support()));
+  set(ScoreTerm::kMeasured, log_share(std::min(1.0, e.measured_fraction() / kMeasuredEnough)));
+  set(ScoreTerm::kSupportedArea, std::log(std::max(1.0, e.explained_mm2 * e.px2_per_mm2)));
+  set(ScoreTerm::kContradicted, share(e.contradicted, e.samples));
+  set(ScoreTerm::kHidden, share(e.hidden, e.samples));
+  set(ScoreTerm::kOutlineSteps, share(e.outline_steps, e.contours));
+  set(ScoreTerm::kOutlineContinued, share(e.outline_continued, e.contours));
+  set(ScoreTerm::kOutlineOffset,
+      e.outline_matches > 0 ? e.outline_offset_px / e.outline_matches : 0);
+  set(ScoreTerm::kCreases, share(e.creases_supported, e.creases));
+  set(ScoreTerm::kTemplate, template_score);
+  return terms;
+}
+
+double log_odds(const ScoreTerms& terms) {
+  double sum = kScoreWeightOfOne;
+  for (std::size_t i = 0; i < terms.size(); ++i) sum += kScoreWeights[i] * terms[i];
+  return sum;
+}
+
+double probability(double log_odds) {
+  return 1 / (1 + std::exp(-log_odds));
+}
+
+}  // namespace binpick

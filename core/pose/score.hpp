@@ -1,0 +1,21 @@
+// From evidence to one number that means the same for every part: the probability that a pose is
+// right. Each kind of evidence is a term, the weighted sum of the terms is the log odds: a logistic
+// model, whose weights (score_weights.hpp) are fitted once, over piles of many plain parts that no
+// result is reported for, by tools/calibration. The terms are shares and logarithms of shares, or
+// pixels, so nothing in them depends on a part's size, its distance or the camera.
+#pragma once
+
+#include <array>
+
+#include "binpick/report/detection.hpp"
+#include "pose/verify.hpp"
+
+namespace binpick {
+
+// `template_score`: of the matched leaf, both modalities, 0..2.
+ScoreTerms score_terms(const Evidence& evidence, double template_score);
+double log_odds(const ScoreTerms& terms);
+// 1 / (1 + e^-log_odds)
+double probability(double log_odds);
+
+}  // namespace binpick

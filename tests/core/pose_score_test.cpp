@@ -1,0 +1,87 @@
+// The score: from evidence to a probability.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "pose/score.hpp"
+
+namespace binpick {
+namespace {
+
+// A part of which everything fits.
+Evidence good_evidence() {
+  Evidence e;
+  e.samples = 200;
+  e.measured = 190;
+  e.supported = 186;
+  e.hidden = 6;
+  e.unknown = 4;
+  e.contours = 100;
+  e.contours_supported = 97;
+  e.outline_steps = 80;
+  e.outline_matches = 15;
+  e.outline_offset_px = 7;
+  e.creases = 40;
+  e.creases_supported = 30;
+  e.explained_mm2 = 700;
+  e.px2_per_mm2 = 7;
+  return e;
+}
+
+double score_of(const Evidence& e) {
+  return probability(log_odds(score_terms(e, 1.6)));
+}
+
+TEST(PoseScore, IsAProbability) {
+  EXPECT_GT(score_of(good_evidence()), 0.9);
+  EXPECT_LT(score_of(good_evidence()), 1);
+  EXPECT_EQ(probability(0), 0.5);
+  EXPECT_NEAR(probability(3) + probability(-3), 1, 1e-15);
+  EXPECT_EQ(probability(-1e6), 0);
+  EXPECT_EQ(probability(1e6), 1);
+}
+
+TEST(PoseScore, NoEvidenceIsNoNumberTrouble) {
+  const double nothing = score_of(Evidence{});
+  EXPECT_TRUE(std::isfinite(nothing));
+  EXPECT_LT(nothing, 0.01);
+}
+
+// Each kind of evidence against a pose lowers its score.
+TEST(PoseScore, EveryContradictionCounts) {
+  const double best = score_of(good_evidence());
+  const auto worse = [&](auto&& change) {
+    Evidence e = good_evidence();
+    change(e);
+    return score_of(e);
+  };
+  EXPECT_LT(worse([](Evidence& e) { e.supported = 120; }), best) << "surface beside the measured";
+  EXPECT_LT(worse([](Evidence& e) { e.contours_supported = 60; }), best) << "outline on no edge";
+  EXPECT_LT(worse([](Evidence& e) { e.contradicted = 20; }), best) << "free space violated";
+  EXPECT_LT(worse([](Evidence& e) { e.outline_continued = 30; }), best) << "no end at the outline";
+  EXPECT_LT(worse([](Evidence& e) { e.outline_steps = 20; }), best) << "no step at the outline";
+  EXPECT_LT(worse([](Evidence& e) { e.creases_supported = 4; }), best) << "creases on no edge";
+  EXPECT_LT(worse([](Evidence& e) { e.explained_mm2 = 60; }), best) << "hardly anything is seen";
+  EXPECT_LT(worse([](Evidence& e) { e.hidden = 150; }), best) << "most of it is hidden";
+}
+
+// The same part seen by a camera with twice the focal length from twice as far is the same image.
+TEST(PoseScore, DependsOnTheImageNotOnMillimetres) {
+  Evidence scaled = good_evidence();
+  scaled.explained_mm2 *= 9;  // a part three times as large, three times as far away
+  scaled.px2_per_mm2 /= 9;
+  EXPECT_NEAR(score_of(scaled), score_of(good_evidence()), 1e-12);
+}
+
+TEST(PoseScore, TermsHaveNames) {
+  std::set<std::string> names;
+  for (int i = 0; i < kScoreTermCount; ++i)
+    names.insert(score_term_name(static_cast<ScoreTerm>(i)));
+  EXPECT_EQ(names.size(), static_cast<std::size_t>(kScoreTermCount));
+  EXPECT_EQ(names.count("unknown"), 0u);
+}
+
+}  // namespace
+}  // namespace binpick
