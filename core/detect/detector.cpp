@@ -228,7 +228,7 @@ Detection Detector::Impl::detection_of(const Hypothesis& h) const {
   d.T_cam_obj = h.T_cam_centre;
   d.T_cam_obj.t_mm -= h.T_cam_centre.R * centre_offset(model);
   d.score_terms = terms_of(h);
-  d.score = probability(log_odds(d.score_terms));
+  d.score = score_of(h);
   d.visible_fraction = h.evidence.visible_fraction();
   d.depth_support = h.evidence.depth_support();
   d.contour_support = h.evidence.contour_support();

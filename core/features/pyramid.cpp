@@ -124,6 +124,7 @@ FeaturePyramid::FeaturePyramid(const PyramidPlan& plan, Arena& arena) : plan_(pl
 
 void FeaturePyramid::build(const Frame& frame, const Roi& region, NormalCodebook codebook,
                            const simd::KernelTable& kernels, WorkerPool& pool) {
+  with_intensity_ = frame.intensity.width > 0;
   region_ = region;
   for (int l = 0; l < plan_.level_count; ++l) {
     PyramidLevel& level = levels_[l];

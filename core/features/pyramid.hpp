@@ -55,6 +55,7 @@ class FeaturePyramid {
   const PyramidLevel& level(int l) const { return levels_[l]; }
   int level_count() const { return plan_.level_count; }
   const Roi& region() const { return region_; }
+  bool with_intensity() const { return with_intensity_; }  // the frame has an intensity image
 
  private:
   void copy_level_zero(const Frame& frame, WorkerPool& pool);
@@ -77,6 +78,7 @@ class FeaturePyramid {
   std::size_t map_bytes_[kPyramidLevelsMax] = {};
   Roi region_;
   bool depth_valid_ = false;
+  bool with_intensity_ = false;
 };
 
 }  // namespace binpick

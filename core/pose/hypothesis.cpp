@@ -54,7 +54,7 @@ ScoreTerms terms_of(const Hypothesis& h) {
 }
 
 double score_of(const Hypothesis& h) {
-  return probability(log_odds(terms_of(h)));
+  return probability(terms_of(h), h.evidence.with_intensity);
 }
 
 bool better_hypothesis(const Hypothesis& a, const Hypothesis& b) {

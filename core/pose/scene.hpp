@@ -11,9 +11,12 @@ namespace binpick {
 struct Scene {
   const PyramidLevel& depth;      // level at which normals were fitted: depth averaged over 2x2 px
   const PyramidLevel& intensity;  // level 0
+  const bool with_intensity;      // level 0 shows something
 
   explicit Scene(const FeaturePyramid& pyramid)
-      : depth(pyramid.level(kFeatureLevel)), intensity(pyramid.level(0)) {}
+      : depth(pyramid.level(kFeatureLevel)),
+        intensity(pyramid.level(0)),
+        with_intensity(pyramid.with_intensity()) {}
 
   // Depth error to reckon with at one point, shape distorted by the sensor's window included. A
   // triangulating sensor finds its matches to a fraction of a pixel, and its baseline is a fraction

@@ -13,6 +13,9 @@ constexpr double kMeasuredEnough = 0.35;
 // Shares below this are as good as none.
 constexpr double kShareMin = 0.02;
 
+// Of visible creases on an edge, where there is none to be seen: what says neither right nor wrong.
+constexpr double kCreasesUnseen = 0.6;
+
 double log_share(double share) {
   return std::log(std::max(share, kShareMin));
 }
@@ -38,18 +41,15 @@ ScoreTerms score_terms(const Evidence& e, double template_score) {
   set(ScoreTerm::kOutlineContinued, share(e.outline_continued, e.contours));
   set(ScoreTerm::kOutlineOffset,
       e.outline_matches > 0 ? e.outline_offset_px / e.outline_matches : 0);
-  set(ScoreTerm::kCreases, share(e.creases_supported, e.creases));
+  set(ScoreTerm::kCreases, e.creases > 0 ? e.creases_supported / e.creases : kCreasesUnseen);
   set(ScoreTerm::kTemplate, template_score);
   return terms;
 }
 
-double log_odds(const ScoreTerms& terms) {
-  double sum = kScoreWeightOfOne;
-  for (std::size_t i = 0; i < terms.size(); ++i) sum += kScoreWeights[i] * terms[i];
-  return sum;
-}
-
-double probability(double log_odds) {
+double probability(const ScoreTerms& terms, bool with_intensity) {
+  const ScoreWeights& weights = with_intensity ? kScoreWeights : kScoreWeightsOfDepthAlone;
+  double log_odds = weights.back();
+  for (std::size_t i = 0; i < terms.size(); ++i) log_odds += weights[i] * terms[i];
   return 1 / (1 + std::exp(-log_odds));
 }
 

@@ -2,7 +2,8 @@
 // right. Each kind of evidence is a term, the weighted sum of the terms is the log odds: a logistic
 // model, whose weights (score_weights.hpp) are fitted once, over piles of many plain parts that no
 // result is reported for, by tools/calibration. The terms are shares and logarithms of shares, or
-// pixels, so nothing in them depends on a part's size, its distance or the camera.
+// pixels, so nothing in them depends on a part's size, its distance or the camera. Frames without
+// intensity have weights of their own: what they cannot show counts neither way.
 #pragma once
 
 #include <array>
@@ -14,8 +15,7 @@ namespace binpick {
 
 // `template_score`: of the matched leaf, both modalities, 0..2.
 ScoreTerms score_terms(const Evidence& evidence, double template_score);
-double log_odds(const ScoreTerms& terms);
-// 1 / (1 + e^-log_odds)
-double probability(double log_odds);
+// 1 / (1 + e^-(weighted sum of the terms)).
+double probability(const ScoreTerms& terms, bool with_intensity);
 
 }  // namespace binpick

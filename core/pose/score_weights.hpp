@@ -5,19 +5,37 @@
 
 namespace binpick {
 
-inline constexpr ScoreTerms kScoreWeights = {
-    1.6328,    // depth_support
-    4.0763,    // contour_support
-    0.6749,    // measured
-    1.3046,    // supported_area
-    -52.9603,  // contradicted
-    -3.2274,   // hidden
-    4.4681,    // outline_steps
-    -1.4043,   // outline_continued
-    -0.2044,   // outline_offset
-    1.5517,    // creases
-    0.4573,    // template
+// One for each ScoreTerm, and the constant.
+using ScoreWeights = std::array<double, kScoreTermCount + 1>;
+
+inline constexpr ScoreWeights kScoreWeights = {
+    1.3973,    // depth_support
+    4.6197,    // contour_support
+    0.8078,    // measured
+    1.3975,    // supported_area
+    -59.8846,  // contradicted
+    -3.4230,   // hidden
+    4.3581,    // outline_steps
+    -1.5776,   // outline_continued
+    -0.1882,   // outline_offset
+    1.9571,    // creases
+    0.3900,    // template
+    -13.4234,  // constant
 };
-inline constexpr double kScoreWeightOfOne = -12.6502;
+
+inline constexpr ScoreWeights kScoreWeightsOfDepthAlone = {
+    0.0000,    // depth_support
+    0.9317,    // contour_support
+    2.2909,    // measured
+    2.1448,    // supported_area
+    -13.5119,  // contradicted
+    -1.5978,   // hidden
+    4.3581,    // outline_steps
+    -1.2809,   // outline_continued
+    0.0000,    // outline_offset
+    0.0000,    // creases
+    2.3745,    // template
+    -21.9572,  // constant
+};
 
 }  // namespace binpick

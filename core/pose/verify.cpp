@@ -120,7 +120,7 @@ void add_contours(const ObjectModel& model, const Scene& scene, const Pose& T,
     const ContourPlace place = place_contour(s, scene, T, kContourRangePx, tolerance_mm);
     if (!place.visible) continue;
     if (s.is_silhouette < 0.5f) {
-      add_crease(place, scene, e);
+      if (scene.with_intensity) add_crease(place, scene, e);
     } else {
       add_outline(place, scene, tolerance_mm, e);
     }
@@ -141,6 +141,7 @@ double normal_agreement(const Scene& scene, int u, int v, const Vec3& p, const V
 Evidence verify(const ObjectModel& model, const Scene& scene, const Pose& T) {
   Evidence e;
   const Viewpoint& view = nearest_viewpoint(model, T);
+  e.with_intensity = scene.with_intensity;
   e.px2_per_mm2 = scene.px2_per_mm2(T.t_mm.z());
   add_surface(model, scene, T, view, e);
   add_contours(model, scene, T, view, e);

@@ -7,7 +7,8 @@
 namespace binpick {
 
 struct Evidence {
-  int samples = 0;       // of the surface visible from this viewpoint
+  bool with_intensity = false;  // the frame has an intensity image
+  int samples = 0;              // of the surface visible from this viewpoint
   double supported = 0;  // measured where the model is: 1 for a perfect fit, less with the residual
   int measured = 0;      // of the samples: with a depth that neither hides nor contradicts them
   int hidden = 0;        // something lies in front: neither for nor against

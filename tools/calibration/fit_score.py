@@ -2,14 +2,15 @@
 """Fits the weights of the score (core/pose/score_weights.hpp) to what `binpick eval --evidence`
 wrote.
 
-usage: fit_score.py DATASET=EVIDENCE.csv [...] [--check DATASET=EVIDENCE.csv ...] [--header FILE]
+usage: fit_score.py DATASET=EVIDENCE.csv... --depth-alone DATASET=EVIDENCE.csv...
+           [--check ...] [--check-depth-alone ...] [--header FILE]
 
 A logistic model by maximum likelihood with a small quadratic penalty; every part of every data
 set has the same weight in all. A detection is right when it is within 5 mm and 7.5 deg per axis
 (or, for parts whose diameter is below 67 mm, 7.5 % of it) of a part in the scene, whatever can be
-seen of that. Parts of the data sets under --check are not fitted; for all sets it prints how the
-probability holds: of the detections with a probability around p, the share that is right. Needs
-numpy and scipy.
+seen of that. Frames without intensity (--depth-alone) have weights of their own. Data sets under
+--check are not fitted; for all it prints how the probability holds: of the detections with a
+probability around p, the share that is right. Needs numpy and scipy.
 """
 import csv
 import json
@@ -98,8 +99,13 @@ def load(argument):
     return names, np.array(terms), np.array(right, float), np.array(part)
 
 
-def fit(terms, right, weight):
-    mean, spread = terms.mean(axis=0), terms.std(axis=0) + 1e-9
+# Evidence against a pose; all other terms speak for it. No weight may have the other sign.
+AGAINST = {'contradicted', 'hidden', 'outline_continued', 'outline_offset'}
+
+
+def fit(names, terms, right, weight):
+    mean, spread = terms.mean(axis=0), terms.std(axis=0)
+    spread[spread < 1e-6] = np.inf  # says nothing here: weight 0
     Z = np.c_[(terms - mean) / spread, np.ones(len(terms))]
 
     def loss(b):
@@ -109,7 +115,9 @@ def fit(terms, right, weight):
         slope[:-1] += 2 * PENALTY * b[:-1]
         return value, slope
 
-    b = minimize(loss, np.zeros(Z.shape[1]), jac=True, method='L-BFGS-B').x
+    bounds = [(None, 0) if n in AGAINST else (0, None) for n in names] + [(None, None)]
+    start = np.zeros(Z.shape[1])
+    b = minimize(loss, start, jac=True, method='L-BFGS-B', bounds=bounds).x
     weights = b[:-1] / spread
     return weights, b[-1] - weights @ mean
 
@@ -133,6 +141,9 @@ def report(name, probability, right):
             )
 
 
+TABLE = '''inline constexpr ScoreWeights %s = {
+%s};
+'''
 HEADER = '''// Written by tools/calibration/fit_score.py; not by hand.
 #pragma once
 
@@ -140,45 +151,52 @@ HEADER = '''// Written by tools/calibration/fit_score.py; not by hand.
 
 namespace binpick {
 
-inline constexpr ScoreTerms kScoreWeights = {
-%s};
-inline constexpr double kScoreWeightOfOne = %.4f;
+// One for each ScoreTerm, and the constant.
+using ScoreWeights = std::array<double, kScoreTermCount + 1>;
 
+%s
 }  // namespace binpick
 '''
 
 
+# Fits one table to the data sets, prints it and how it holds; the table as C++ text.
+def table_of(name, fitted, checked):
+    sets = [load(a) for a in fitted]
+    weight = np.concatenate(
+        [[WEIGHT_PER_PART / (part == p).sum() for p in part] for _, _, _, part in sets]
+    )
+    terms, right = (np.concatenate([s[i] for s in sets]) for i in (1, 2))
+    weights, one = fit(sets[0][0], terms, right, weight)
+    print(name)
+    for term, value in zip(sets[0][0], weights):
+        print('%-20s %8.4f' % (term, value))
+    print('%-20s %8.4f' % ('one', one))
+    for argument, (_, t, r, _) in [*zip(fitted, sets), *((a, load(a)) for a in checked)]:
+        report(argument.rsplit('=', 1)[0], 1 / (1 + np.exp(-(t @ weights + one))), r)
+    rows = [*zip(weights, sets[0][0]), (one, 'constant')]
+    lines = ''.join('    %.4f,  // %s\n' % row for row in rows)
+    return TABLE % (name, lines)
+
+
 def main():
-    fitted, checked, header, into = [], [], None, 'fitted'
+    sets = {'': [], '--depth-alone': [], '--check': [], '--check-depth-alone': []}
+    header, into = None, ''
     arguments = iter(sys.argv[1:])
     for a in arguments:
-        if a == '--check':
-            into = 'checked'
-        elif a == '--header':
+        if a == '--header':
             header = next(arguments)
+        elif a in sets:
+            into = a
         else:
-            (fitted if into == 'fitted' else checked).append(a)
-    if not fitted:
+            sets[into].append(a)
+    if not sets[''] or not sets['--depth-alone']:
         sys.exit(__doc__)
-    sets = [load(a) for a in fitted]
-    weight = [
-        np.concatenate([[WEIGHT_PER_PART / (part == p).sum()] for p in part])
-        for _, _, _, part in sets
+    tables = [
+        table_of('kScoreWeights', sets[''], sets['--check']),
+        table_of('kScoreWeightsOfDepthAlone', sets['--depth-alone'], sets['--check-depth-alone']),
     ]
-    weights, one = fit(
-        np.concatenate([s[1] for s in sets]),
-        np.concatenate([s[2] for s in sets]),
-        np.concatenate(weight),
-    )
-    names = sets[0][0]
-    for name, value in zip(names, weights):
-        print('%-20s %8.4f' % (name, value))
-    print('%-20s %8.4f' % ('one', one))
-    for argument, (_, terms, right, _) in [*zip(fitted, sets), *((a, load(a)) for a in checked)]:
-        report(argument.rsplit('=', 1)[0], 1 / (1 + np.exp(-(terms @ weights + one))), right)
     if header:
-        lines = ''.join('    %.4f,  // %s\n' % (value, name) for name, value in zip(names, weights))
-        open(header, 'w').write(HEADER % (lines, one))
+        open(header, 'w').write(HEADER % '\n'.join(tables))
 
 
 if __name__ == '__main__':
