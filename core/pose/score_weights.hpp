@@ -1,6 +1,8 @@
 // Written by tools/calibration/fit_score.py; not by hand.
 #pragma once
 
+#include <array>
+
 #include "binpick/report/detection.hpp"
 
 namespace binpick {

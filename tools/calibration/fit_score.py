@@ -147,6 +147,8 @@ TABLE = '''inline constexpr ScoreWeights %s = {
 HEADER = '''// Written by tools/calibration/fit_score.py; not by hand.
 #pragma once
 
+#include <array>
+
 #include "binpick/report/detection.hpp"
 
 namespace binpick {
