@@ -128,14 +128,14 @@ DropReason PayloadConverter::convert(std::span<const PayloadPart> parts, const S
     return DropReason::kFormat;
 
   const int width = depth->width, height = depth->height;
-  if (intensity != nullptr) {
-    convert_intensity(*intensity, width, height, slot.intensity.data());
-  } else if (depth->format == PixelFormat::kCoord3dAbcy16) {
-    grid_gray(*depth, slot.intensity.data());
+  if (intensity != nullptr) convert_intensity(*intensity, width, height, slot.intensity.data());
+  const bool grid = is_coord3d_abc(depth->format);
+  if (grid) {
+    convert_points(*depth, confidence, scan3d, intensity != nullptr, slot);
+  } else {
+    convert_depth(*depth, confidence, scan3d, slot);
   }
   const bool with_intensity = intensity != nullptr || depth->format == PixelFormat::kCoord3dAbcy16;
-  convert_depth(*depth, confidence, scan3d, with_intensity, slot);
-  const bool grid = is_coord3d_abc(depth->format);
   slot.frame.depth_scale_mm = grid ? 0 : depth_scale_mm(depth->format, scan3d);
 
   slot.frame.depth_mm = {slot.depth_mm.data(), width, height, width};
@@ -156,27 +156,37 @@ void PayloadConverter::convert_intensity(const PayloadPart& part, int width, int
 }
 
 void PayloadConverter::convert_depth(const PayloadPart& part, const PayloadPart* confidence,
-                                     const Scan3d& scan3d, bool with_intensity, FrameSlot& slot) {
-  const ConfidenceRows sure(confidence, params_.confidence_min);
-  float* depth_mm = slot.depth_mm.data();
-  if (is_coord3d_abc(part.format)) {
-    if (!grid_depth(part, scan3d, depth_mm)) {
-      const std::uint8_t* gray = nullptr;
-      if (with_intensity) {
-        std::copy_n(slot.intensity.data(), static_cast<std::ptrdiff_t>(part.width) * part.height,
-                    gray_scratch_.data());
-        gray = gray_scratch_.data();
-      }
-      return project_grid(part, scan3d, sure, gray, grid_scratch_, depth_mm, slot.intensity.data());
-    }
-  } else if (part.format == PixelFormat::kCoord3dC32f) {
-    depth_rows_32f(part, scan3d, depth_mm);
+                                     const Scan3d& scan3d, FrameSlot& slot) {
+  if (part.format == PixelFormat::kCoord3dC32f) {
+    depth_rows_32f(part, scan3d, slot.depth_mm.data());
   } else {
     table_.update(scan3d);
-    depth_rows_16(part, table_, depth_mm);
+    depth_rows_16(part, table_, slot.depth_mm.data());
   }
+  const ConfidenceRows sure(confidence, params_.confidence_min);
   for (int y = 0; y < part.height; ++y)
-    sure.apply(y, depth_mm + static_cast<std::ptrdiff_t>(y) * part.width);
+    sure.apply(y, slot.depth_mm.data() + static_cast<std::ptrdiff_t>(y) * part.width);
+}
+
+// `has_gray`: the slot's intensity is that of the grid.
+void PayloadConverter::convert_points(const PayloadPart& part, const PayloadPart* confidence,
+                                      const Scan3d& scan3d, bool has_gray, FrameSlot& slot) {
+  const ConfidenceRows sure(confidence, params_.confidence_min);
+  const bool carries_gray = part.format == PixelFormat::kCoord3dAbcy16;
+  float* depth_mm = slot.depth_mm.data();
+  std::uint8_t* gray = has_gray || carries_gray ? slot.intensity.data() : nullptr;
+  if (grid_depth(part, scan3d, depth_mm)) {
+    for (int y = 0; y < part.height; ++y)
+      sure.apply(y, depth_mm + static_cast<std::ptrdiff_t>(y) * part.width);
+    if (carries_gray && !has_gray) grid_gray(part, gray);
+    return;
+  }
+  const std::uint8_t* unmoved = nullptr;
+  if (has_gray) {
+    std::copy_n(gray, static_cast<std::ptrdiff_t>(part.width) * part.height, gray_scratch_.data());
+    unmoved = gray_scratch_.data();
+  }
+  project_grid(part, scan3d, sure, unmoved, grid_scratch_, depth_mm, gray);
 }
 
 }  // namespace binpick::drivers

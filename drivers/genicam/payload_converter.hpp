@@ -39,7 +39,9 @@ class PayloadConverter {
   bool sensor_size(int width, int height) const;
   void convert_intensity(const PayloadPart& part, int width, int height, std::uint8_t* gray);
   void convert_depth(const PayloadPart& part, const PayloadPart* confidence, const Scan3d& scan3d,
-                     bool with_intensity, FrameSlot& slot);
+                     FrameSlot& slot);
+  void convert_points(const PayloadPart& part, const PayloadPart* confidence, const Scan3d& scan3d,
+                      bool has_gray, FrameSlot& slot);
 
   PayloadParams params_;
   DepthTable table_;

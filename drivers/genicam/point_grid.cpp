@@ -1,6 +1,7 @@
 #include "genicam/point_grid.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "genicam/point_rows.hpp"
 
@@ -22,6 +23,30 @@ PointAxes axes_of(const PayloadPart& part, const Scan3d& s) {
           static_cast<float>(s.principal_v_px)};
 }
 
+// Both without a branch: which of two points is the nearer nobody can predict, and a wrong guess
+// costs more than all the rest. Depths are not negative, so that their bits are in their order; of
+// one less than the bits, 0 (no measurement) is the farthest.
+
+void keep_nearest(const float* points_mm, const std::int32_t* target, int count, float* depth_mm) {
+  for (int i = 0; i < count; ++i) {
+    const std::uint32_t held = std::bit_cast<std::uint32_t>(depth_mm[target[i]]) - 1;
+    const std::uint32_t mine = std::bit_cast<std::uint32_t>(points_mm[i]) - 1;
+    depth_mm[target[i]] = std::bit_cast<float>(std::min(held, mine) + 1);
+  }
+}
+
+void keep_nearest(const float* points_mm, const std::uint8_t* points_gray,
+                  const std::int32_t* target, int count, float* depth_mm, std::uint8_t* gray) {
+  for (int i = 0; i < count; ++i) {
+    const std::int32_t to = target[i];
+    const std::uint32_t held = std::bit_cast<std::uint32_t>(depth_mm[to]) - 1;
+    const std::uint32_t mine = std::bit_cast<std::uint32_t>(points_mm[i]) - 1;
+    const std::uint32_t nearer = 0u - static_cast<std::uint32_t>(mine < held);  // all bits or none
+    depth_mm[to] = std::bit_cast<float>(std::min(held, mine) + 1);
+    gray[to] = static_cast<std::uint8_t>(gray[to] ^ ((gray[to] ^ points_gray[i]) & nearer));
+  }
+}
+
 }  // namespace
 
 bool grid_depth(const PayloadPart& part, const Scan3d& scan3d, float* depth_mm) {
@@ -38,30 +63,31 @@ void project_grid(const PayloadPart& part, const Scan3d& scan3d, const Confidenc
                   std::uint8_t* gray) {
   const PointAxes axes = axes_of(part, scan3d);
   const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(part.width) * part.height;
-  std::fill(depth_mm, depth_mm + count, 0.0f);
-  if (grid_gray != nullptr) std::fill(gray, gray + count, std::uint8_t{0});
-  float* row_mm = scratch.depth_mm.data();
+  float* points_mm = scratch.depth_mm.data();
   std::int32_t* target = scratch.target.data();
+  std::fill(depth_mm, depth_mm + count, 0.0f);
+  if (gray != nullptr) std::fill(gray, gray + count, std::uint8_t{0});
   for (int y = 0; y < part.height; ++y) {
-    point_depth_row(axes, part.row(y), part.width, row_mm);
-    confidence.apply(y, row_mm);
-    point_targets_row(axes, part.row(y), part.width, row_mm, part.width, part.height, target);
-    const std::uint8_t* row_gray =
-        grid_gray == nullptr ? nullptr : grid_gray + static_cast<std::ptrdiff_t>(y) * part.width;
-    for (int x = 0; x < part.width; ++x) {
-      const std::int32_t to = target[x];
-      if (to < 0 || (depth_mm[to] != 0 && depth_mm[to] <= row_mm[x])) continue;
-      depth_mm[to] = row_mm[x];
-      if (row_gray != nullptr) gray[to] = row_gray[x];
+    const std::uint8_t* points = part.row(y);
+    point_targets_row(axes, points, part.width, y, part.height, points_mm, target);
+    confidence.apply(y, points_mm);
+    if (gray == nullptr) {
+      keep_nearest(points_mm, target, part.width, depth_mm);
+      continue;
     }
+    const std::uint8_t* row_gray = scratch.gray.data();
+    if (grid_gray != nullptr) {
+      row_gray = grid_gray + static_cast<std::ptrdiff_t>(y) * part.width;
+    } else {
+      point_gray_row(points, part.width, scratch.gray.data());
+    }
+    keep_nearest(points_mm, row_gray, target, part.width, depth_mm, gray);
   }
 }
 
 void grid_gray(const PayloadPart& part, std::uint8_t* gray) {
-  for (int y = 0; y < part.height; ++y) {
-    const std::uint8_t* row = part.row(y);
-    for (int x = 0; x < part.width; ++x) *gray++ = row[8 * x + 7];
-  }
+  for (int y = 0; y < part.height; ++y, gray += part.width)
+    point_gray_row(part.row(y), part.width, gray);
 }
 
 }  // namespace binpick::drivers

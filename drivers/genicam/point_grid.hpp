@@ -11,20 +11,25 @@
 
 namespace binpick::drivers {
 
-// A row's depth and the pixels that its points fall into.
+// Of a row: the points' depths, the pixels that they fall into, and their gray.
 struct GridScratch {
   explicit GridScratch(int width_max)
-      : depth_mm(static_cast<std::size_t>(width_max)), target(depth_mm.size()) {}
+      : depth_mm(static_cast<std::size_t>(width_max)),
+        target(depth_mm.size()),
+        gray(depth_mm.size()) {}
   std::vector<float> depth_mm;
   std::vector<std::int32_t> target;
+  std::vector<std::uint8_t> gray;
 };
 
 // True where all points lie within a pixel of their place in the grid: depth_mm is then the z of
 // each, 0 where there is none. Else depth_mm is undefined.
 bool grid_depth(const PayloadPart& part, const Scan3d& scan3d, float* depth_mm);
 
-// Projects the grid's points. `grid_gray` may be null. Pixels that no point meets are 0 in both
-// outputs; of points that meet in a pixel the nearest stays, of equal ones the first.
+// Projects the grid's points, with their gray unless `gray` is null. `grid_gray`: the gray of the
+// grid, of its size and not `gray` itself; null: what Coord3D_ABCY16 carries. Pixels that no point
+// meets are 0 in both outputs; of points that meet in a pixel the nearest stays, of equal ones the
+// first in the grid's order of rows.
 void project_grid(const PayloadPart& part, const Scan3d& scan3d, const ConfidenceRows& confidence,
                   const std::uint8_t* grid_gray, GridScratch& scratch, float* depth_mm,
                   std::uint8_t* gray);

@@ -34,18 +34,23 @@ void point_depth_row_scalar(const PointAxes& axes, const std::uint8_t* points, i
 // place: column x, row y.
 bool points_on_rays_scalar(const PointAxes& axes, const std::uint8_t* points, int x_begin,
                            int width, int y, const float* depth_mm);
-// target[x] = index of the pixel, in an image of image_width x image_height, that the point falls
-// into; -1 outside and where depth_mm[x] is 0. image_width * image_height fits an int.
-void point_targets_row_scalar(const PointAxes& axes, const std::uint8_t* points, int width,
-                              const float* depth_mm, int image_width, int image_height,
+// Projects the points of row y into an image of `width` columns and `image_height` rows:
+// depth_mm[x] as above, target[x] = index of the pixel that the point falls into. A point without
+// depth, or outside of the image, gets depth 0 and its own place as target: so that whoever follows
+// the targets needs no branch, and many such points do not all meet in one pixel. width *
+// image_height fits an int.
+void point_targets_row_scalar(const PointAxes& axes, const std::uint8_t* points, int x_begin,
+                              int width, int y, int image_height, float* depth_mm,
                               std::int32_t* target);
+// gray[x] = the high byte of each point's fourth value; the layout is kAbcy16.
+void point_gray_row_scalar(const std::uint8_t* points, int width, std::uint8_t* gray);
 
+// The same, from x_begin 0.
 void point_depth_row(const PointAxes& axes, const std::uint8_t* points, int width, float* depth_mm);
-// x_begin is 0.
 bool points_on_rays(const PointAxes& axes, const std::uint8_t* points, int width, int y,
                     const float* depth_mm);
-void point_targets_row(const PointAxes& axes, const std::uint8_t* points, int width,
-                       const float* depth_mm, int image_width, int image_height,
-                       std::int32_t* target);
+void point_targets_row(const PointAxes& axes, const std::uint8_t* points, int width, int y,
+                       int image_height, float* depth_mm, std::int32_t* target);
+void point_gray_row(const std::uint8_t* points, int width, std::uint8_t* gray);
 
 }  // namespace binpick::drivers

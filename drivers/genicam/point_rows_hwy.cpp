@@ -23,9 +23,12 @@ bool OnRays(const PointAxes& axes, const std::uint8_t* points, int width, int y,
             const float* depth_mm) {
   return points_on_rays_scalar(axes, points, 0, width, y, depth_mm);
 }
-void TargetsRow(const PointAxes& axes, const std::uint8_t* points, int width, const float* depth_mm,
-                int image_width, int image_height, std::int32_t* target) {
-  point_targets_row_scalar(axes, points, width, depth_mm, image_width, image_height, target);
+void TargetsRow(const PointAxes& axes, const std::uint8_t* points, int width, int y,
+                int image_height, float* depth_mm, std::int32_t* target) {
+  point_targets_row_scalar(axes, points, 0, width, y, image_height, depth_mm, target);
+}
+void GrayRow(const std::uint8_t* points, int width, std::uint8_t* gray) {
+  point_gray_row_scalar(points, width, gray);
 }
 
 #else
@@ -109,13 +112,15 @@ int OnRaysOf(const PointAxes& axes, const std::uint8_t* points, int width, int y
   const D d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const V dv = hn::Set(d, static_cast<float>(y) - axes.cv);
+  const V steps = hn::Iota(d, 0);
   auto off = hn::FirstN(d, 0);  // none
   int x = 0;
   for (; x + lanes <= width; x += lanes) {
     V a, b, c;
     Codes::load(d, points + x * Codes::kPointBytes, a, b, c);
     const V z = hn::LoadU(d, depth_mm + x);
-    const V du = hn::Sub(hn::Iota(d, static_cast<float>(x)), hn::Set(d, axes.cu));
+    const V column = hn::Add(hn::Set(d, static_cast<float>(x)), steps);  // exact
+    const V du = hn::Sub(column, hn::Set(d, axes.cu));
     const V error_u = hn::Abs(hn::Sub(TimesZ(d, a, axes.a), hn::Mul(du, z)));
     const V error_v = hn::Abs(hn::Sub(TimesZ(d, b, axes.b), hn::Mul(dv, z)));
     // The tolerance is one pixel: z itself.
@@ -127,30 +132,32 @@ int OnRaysOf(const PointAxes& axes, const std::uint8_t* points, int width, int y
 }
 
 template <class Codes>
-int TargetsRowOf(const PointAxes& axes, const std::uint8_t* points, int width,
-                 const float* depth_mm, int image_width, int image_height, std::int32_t* target) {
+int TargetsRowOf(const PointAxes& axes, const std::uint8_t* points, int width, int y,
+                 int image_height, float* depth_mm, std::int32_t* target) {
   const D d;
   const hn::Rebind<std::int32_t, D> d32;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  const V u_end = hn::Set(d, static_cast<float>(image_width));
+  const V u_end = hn::Set(d, static_cast<float>(width));
   const V v_end = hn::Set(d, static_cast<float>(image_height));
-  const V zero = hn::Zero(d), half = hn::Set(d, 0.5f);
+  const V corner_u = hn::Set(d, axes.cu + 0.5f), corner_v = hn::Set(d, axes.cv + 0.5f);
+  const V zero = hn::Zero(d);
+  const auto steps = hn::Iota(d32, 0);  // here: a first value that is not constant is slow
   int x = 0;
   for (; x + lanes <= width; x += lanes) {
     V a, b, c;
     Codes::load(d, points + x * Codes::kPointBytes, a, b, c);
-    const V z = hn::LoadU(d, depth_mm + x);
-    const V u =
-        hn::Floor(hn::Add(hn::Add(hn::Div(TimesZ(d, a, axes.a), z), hn::Set(d, axes.cu)), half));
-    const V v =
-        hn::Floor(hn::Add(hn::Add(hn::Div(TimesZ(d, b, axes.b), z), hn::Set(d, axes.cv)), half));
+    const V z = Millimetres(d, c, axes.c);
+    const V per_z = hn::Div(hn::Set(d, 1.0f), z);
+    const V u = hn::Add(hn::Mul(TimesZ(d, a, axes.a), per_z), corner_u);
+    const V v = hn::Add(hn::Mul(TimesZ(d, b, axes.b), per_z), corner_v);
     const auto inside = hn::And(hn::And(hn::Gt(z, zero), hn::And(hn::Ge(u, zero), hn::Ge(v, zero))),
                                 hn::And(hn::Lt(u, u_end), hn::Lt(v, v_end)));
     const auto row = hn::ConvertTo(d32, hn::IfThenElseZero(inside, v));
     const auto column = hn::ConvertTo(d32, hn::IfThenElseZero(inside, u));
-    const auto index = hn::Add(hn::Mul(row, hn::Set(d32, image_width)), column);
-    const auto none = hn::Set(d32, -1);
-    hn::StoreU(hn::IfThenElse(hn::RebindMask(d32, inside), index, none), d32, target + x);
+    const auto index = hn::Add(hn::Mul(row, hn::Set(d32, width)), column);
+    const auto own = hn::Add(hn::Set(d32, y * width + x), steps);
+    hn::StoreU(hn::IfThenElse(hn::RebindMask(d32, inside), index, own), d32, target + x);
+    hn::StoreU(hn::IfThenElseZero(inside, z), d, depth_mm + x);
   }
   return x;
 }
@@ -185,14 +192,25 @@ bool OnRays(const PointAxes& axes, const std::uint8_t* points, int width, int y,
   return on_rays && points_on_rays_scalar(axes, points, done, width, y, depth_mm);
 }
 
-void TargetsRow(const PointAxes& axes, const std::uint8_t* points, int width, const float* depth_mm,
-                int image_width, int image_height, std::int32_t* target) {
+void TargetsRow(const PointAxes& axes, const std::uint8_t* points, int width, int y,
+                int image_height, float* depth_mm, std::int32_t* target) {
   const int done = WithCodes(axes.layout, [&](auto codes) {
-    return TargetsRowOf<decltype(codes)>(axes, points, width, depth_mm, image_width, image_height,
-                                         target);
+    return TargetsRowOf<decltype(codes)>(axes, points, width, y, image_height, depth_mm, target);
   });
-  point_targets_row_scalar(axes, points + done * PointBytes(axes.layout), width - done,
-                           depth_mm + done, image_width, image_height, target + done);
+  point_targets_row_scalar(axes, points, done, width, y, image_height, depth_mm, target);
+}
+
+// A point is one number of 64 bits, and its highest byte the gray.
+void GrayRow(const std::uint8_t* points, int width, std::uint8_t* gray) {
+  const hn::ScalableTag<std::uint64_t> d64;
+  const hn::Rebind<std::uint8_t, decltype(d64)> d8;
+  const int lanes = static_cast<int>(hn::Lanes(d64));
+  int x = 0;
+  for (; x + lanes <= width; x += lanes) {
+    const auto whole = hn::LoadU(d64, reinterpret_cast<const std::uint64_t*>(points + 8 * x));
+    hn::StoreU(hn::TruncateTo(d8, hn::ShiftRight<56>(whole)), d8, gray + x);
+  }
+  point_gray_row_scalar(points + 8 * x, width - x, gray + x);
 }
 
 #endif
@@ -206,6 +224,7 @@ namespace binpick::drivers {
 HWY_EXPORT(DepthRow);
 HWY_EXPORT(OnRays);
 HWY_EXPORT(TargetsRow);
+HWY_EXPORT(GrayRow);
 
 void point_depth_row(const PointAxes& axes, const std::uint8_t* points, int width,
                      float* depth_mm) {
@@ -217,11 +236,13 @@ bool points_on_rays(const PointAxes& axes, const std::uint8_t* points, int width
   return HWY_DYNAMIC_DISPATCH(OnRays)(axes, points, width, y, depth_mm);
 }
 
-void point_targets_row(const PointAxes& axes, const std::uint8_t* points, int width,
-                       const float* depth_mm, int image_width, int image_height,
-                       std::int32_t* target) {
-  HWY_DYNAMIC_DISPATCH(TargetsRow)
-  (axes, points, width, depth_mm, image_width, image_height, target);
+void point_targets_row(const PointAxes& axes, const std::uint8_t* points, int width, int y,
+                       int image_height, float* depth_mm, std::int32_t* target) {
+  HWY_DYNAMIC_DISPATCH(TargetsRow)(axes, points, width, y, image_height, depth_mm, target);
+}
+
+void point_gray_row(const std::uint8_t* points, int width, std::uint8_t* gray) {
+  HWY_DYNAMIC_DISPATCH(GrayRow)(points, width, gray);
 }
 
 }  // namespace binpick::drivers

@@ -56,21 +56,29 @@ bool points_on_rays_scalar(const PointAxes& axes, const std::uint8_t* points, in
   });
 }
 
-void point_targets_row_scalar(const PointAxes& axes, const std::uint8_t* points, int width,
-                              const float* depth_mm, int image_width, int image_height,
+void point_targets_row_scalar(const PointAxes& axes, const std::uint8_t* points, int x_begin,
+                              int width, int y, int image_height, float* depth_mm,
                               std::int32_t* target) {
-  const float u_end = static_cast<float>(image_width), v_end = static_cast<float>(image_height);
+  const float u_end = static_cast<float>(width), v_end = static_cast<float>(image_height);
+  const float corner_u = axes.cu + 0.5f, corner_v = axes.cv + 0.5f;
   with_codes(axes.layout, [&](auto codes) {
-    for (int x = 0; x < width; ++x) {
-      const float z = depth_mm[x];
-      const float u = std::floor(axes.a.times_z(codes.load(points, x, 0)) / z + axes.cu + 0.5f);
-      const float v = std::floor(axes.b.times_z(codes.load(points, x, 1)) / z + axes.cv + 0.5f);
+    for (int x = x_begin; x < width; ++x) {
+      const float z = axes.c.depth_mm(static_cast<double>(codes.load(points, x, 2)));
+      const float per_z = 1.0f / z;
+      // From the outer corner of the first pixel on, so that whole parts are the pixel.
+      const float u = axes.a.times_z(codes.load(points, x, 0)) * per_z + corner_u;
+      const float v = axes.b.times_z(codes.load(points, x, 1)) * per_z + corner_v;
       // Written so that NaN is outside.
       const bool inside = z > 0 && u >= 0 && v >= 0 && u < u_end && v < v_end;
-      target[x] =
-          inside ? static_cast<std::int32_t>(v) * image_width + static_cast<std::int32_t>(u) : -1;
+      target[x] = inside ? static_cast<std::int32_t>(v) * width + static_cast<std::int32_t>(u)
+                         : y * width + x;
+      depth_mm[x] = inside ? z : 0.0f;
     }
   });
+}
+
+void point_gray_row_scalar(const std::uint8_t* points, int width, std::uint8_t* gray) {
+  for (int x = 0; x < width; ++x) gray[x] = points[8 * x + 7];
 }
 
 }  // namespace binpick::drivers

@@ -149,6 +149,41 @@ TEST(Payload, AbcPointsOffTheirRaysAreProjectedNearestFirst) {
   EXPECT_THAT(c.gray(), ElementsAre(0, 11, 10, 13, 14, 15, 16, 17, 0));
 }
 
+TEST(Payload, OfEqualPointsInAPixelTheFirstStays) {
+  Conversion c(3, 3);
+  F32 abc = points_on_rays(F32(9, 500), 100);
+  // Points 0, 5 and 8 meet in the middle, point 4 among them; the last lies behind. Point 2 is
+  // nowhere.
+  for (const std::size_t i : {0u, 5u, 8u}) abc[3 * i] = abc[3 * i + 1] = 0;
+  abc[3 * 8 + 2] = 501;
+  abc[3 * 2] = 5000;
+  const auto bytes = bytes_of(abc);
+  const std::vector<std::uint8_t> gray = {10, 11, 12, 13, 14, 15, 16, 17, 18};
+  ASSERT_EQ(c.run({part_of(PartRole::kDepth, PixelFormat::kCoord3dAbc32f, 3, 3, bytes),
+                   part_of(PartRole::kIntensity, PixelFormat::kMono8, 3, 3, gray)},
+                  millimetres()),
+            DropReason::kNone);
+  EXPECT_THAT(c.depth(), ElementsAre(0, 500, 0, 500, 500, 0, 500, 500, 0));
+  EXPECT_THAT(c.gray(), ElementsAre(0, 11, 0, 13, 10, 0, 16, 17, 0));
+}
+
+TEST(Payload, Abcy16PointsTakeTheirIntensityAlong) {
+  Conversion c(2, 2);
+  Scan3d scan3d = millimetres(100, 0, 0);
+  scan3d.a = scan3d.b = {0.25, -16384 * 0.25, std::nullopt};
+  scan3d.c = {0.25, 0, 65535.0};
+  constexpr std::uint16_t kMid = 16384, kOne = 20;  // 5 mm at 500 mm: one pixel
+  // Point 0 belongs to pixel 3 and lies in front of point 3; point 1 has no depth; point 2 stays.
+  const auto bytes = bytes_of(U16{kMid + kOne, kMid + kOne, 1900, 0x1100,  //
+                                  kMid + kOne, kMid, 65535, 0x2200,        //
+                                  kMid, kMid + kOne, 2000, 0x3300,         //
+                                  kMid + kOne, kMid + kOne, 2000, 0x4400});
+  ASSERT_EQ(c.run({part_of(PartRole::kDepth, PixelFormat::kCoord3dAbcy16, 2, 2, bytes)}, scan3d),
+            DropReason::kNone);
+  EXPECT_THAT(c.depth(), ElementsAre(0, 0, 500, 475));
+  EXPECT_THAT(c.gray(), ElementsAre(0, 0, 0x33, 0x11));
+}
+
 TEST(Payload, Abcy16CarriesIntensityAndHasAnOffsetPerAxis) {
   Conversion c(2, 1);
   Scan3d scan3d = millimetres(100, 0, 0);

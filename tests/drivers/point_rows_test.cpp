@@ -87,11 +87,23 @@ void compare_with_specification(std::mt19937& random) {
       point_depth_row(axes, points, width, depth.data());
       expect_same_bits(depth, depth_wanted, "depth");
       auto target = guarded<std::int32_t>(width), target_wanted = target;
-      point_targets_row_scalar(axes, points, width, depth.data(), 640, 480, target_wanted.data());
-      point_targets_row(axes, points, width, depth.data(), 640, 480, target.data());
-      expect_same_bits(target, target_wanted, "targets");
       EXPECT_EQ(points_on_rays(axes, points, width, 77, depth.data()),
                 points_on_rays_scalar(axes, points, 0, width, 77, depth.data()));
+      if (layout == PointLayout::kAbcy16) {
+        auto gray = guarded<std::uint8_t>(width), gray_wanted = gray;
+        point_gray_row_scalar(points, width, gray_wanted.data());
+        point_gray_row(points, width, gray.data());
+        expect_same_bits(gray, gray_wanted, "gray");
+      }
+      point_targets_row_scalar(axes, points, 0, width, 77, 480, depth_wanted.data(),
+                               target_wanted.data());
+      point_targets_row(axes, points, width, 77, 480, depth.data(), target.data());
+      expect_same_bits(target, target_wanted, "targets");
+      expect_same_bits(depth, depth_wanted, "depth of what has a target");
+      for (int x = 0; x < width; ++x) {
+        EXPECT_GE(target[x], 0);
+        EXPECT_LT(target[x], width * 480);
+      }
     }
   }
 }
