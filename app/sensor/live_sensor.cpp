@@ -23,7 +23,7 @@ SessionParams with_trigger(drivers::TriggerSource trigger, SessionParams params)
 SessionParams with_port_reset(const std::string& uri, SessionParams params) {
   const std::string serial = usb_serial_of(uri);
   if (!serial.empty() && !params.recover)
-    params.recover = [serial] { drivers::reset_usb_port(serial); };
+    params.recover = [serial](bool in_use) { drivers::reset_usb_port(serial, in_use); };
   return params;
 }
 

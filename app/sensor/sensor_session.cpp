@@ -66,6 +66,8 @@ SensorSession::SensorSession(OpenFn open, FramePool& pool, SessionParams params)
     : open_(std::move(open)),
       pool_(pool),
       params_(std::move(params)),
+      last_resort_(params_.recover ? std::function<void()>([this] { recover(true); }) : nullptr,
+                   params_.recovery_after),
       worker_([this] { work(); }) {}
 
 SensorSession::~SensorSession() {
@@ -96,10 +98,10 @@ void SensorSession::retry_now() {
   to_worker_.notify_all();
 }
 
-void SensorSession::recover() {
+void SensorSession::recover(bool in_use) {
   std::string error;
   try {
-    params_.recover();
+    params_.recover(in_use);
   } catch (const std::exception& e) {
     error = e.what();
   }
@@ -109,6 +111,7 @@ void SensorSession::recover() {
 }
 
 void SensorSession::set_state(SessionState state) {
+  if (state == SessionState::kLost) last_resort_.begin();
   {
     const std::lock_guard lock(mutex_);
     if (state == SessionState::kReady) ++status_.opened;
@@ -159,7 +162,7 @@ std::unique_ptr<drivers::Camera> SensorSession::connect() {
       note_failure(e.what());
     }
     ++failures;
-    if (params_.recover && failures % params_.failures_before_recovery == 0) recover();
+    if (params_.recover && failures % params_.failures_before_recovery == 0) recover(false);
     std::unique_lock lock(mutex_);
     // An arrival while the attempt before it was failing counts too.
     const bool called =
@@ -172,9 +175,13 @@ std::unique_ptr<drivers::Camera> SensorSession::connect() {
 
 void SensorSession::disconnect(std::unique_ptr<drivers::Camera> camera) {
   camera->stop();
-  const std::lock_guard lock(mutex_);
-  closed_ = sum(closed_, camera->counters());
-  camera_ = nullptr;
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = sum(closed_, camera->counters());
+    camera_ = nullptr;
+  }
+  camera.reset();
+  last_resort_.end();
 }
 
 // False when nothing but unfit frames came for two frame deadlines.
@@ -241,6 +248,7 @@ bool SensorSession::serve_request(drivers::Camera& camera, std::uint64_t request
       return true;
     const std::lock_guard lock(mutex_);
     ++status_.retriggers;
+    heard_ = Clock::now();
   }
 }
 
@@ -281,17 +289,19 @@ void SensorSession::post(std::uint64_t request, Result<FrameRef> result) {
     status_.state = SessionState::kReady;  // should a caller have given it up
     if (!stream && (!request_open_ || request != requested_)) {
       ++status_.late_frames;
-      return;
+    } else {
+      answer_.emplace(std::move(result));
+      answered_ = requested_;
     }
-    answer_.emplace(std::move(result));
-    answered_ = requested_;
   }
+  last_resort_.end();
   to_callers_.notify_all();
 }
 
 Result<FrameRef> SensorSession::grab(TimePoint deadline) {
   const std::lock_guard one_at_a_time(grab_mutex_);
-  const std::int64_t begun_ns = ns_of(Clock::now());
+  const TimePoint begun = Clock::now();
+  const std::int64_t begun_ns = ns_of(begun);
   std::unique_lock lock(mutex_);
   const bool keeps_waiting_frame = params_.trigger == TriggerSource::kLine;
   if (!keeps_waiting_frame) answer_.reset();
@@ -304,12 +314,18 @@ Result<FrameRef> SensorSession::grab(TimePoint deadline) {
            answer_->value().frame().capture_ns < begun_ns;
   };
   // The worker may be inside an access that takes seconds to fail.
-  const TimePoint silence = Clock::now() + params_.frame_deadline + kWorkerMargin;
   const bool ready_before = status_.state == SessionState::kReady;
   const bool notices_silence = ready_before && params_.trigger != TriggerSource::kLine;
-  const TimePoint until = notices_silence ? std::min(deadline, silence) : deadline;
+  const auto silence = [&] {
+    return std::max(begun, heard_) + params_.frame_deadline + kWorkerMargin;
+  };
+  TimePoint until = deadline;
   for (;;) {
-    if (!to_callers_.wait_until(lock, until, [&] { return end_ || answer_.has_value(); })) break;
+    until = notices_silence ? std::min(deadline, silence()) : deadline;
+    if (!to_callers_.wait_until(lock, until, [&] { return end_ || answer_.has_value(); })) {
+      if (until < deadline && until < silence()) continue;  // it was heard of meanwhile
+      break;
+    }
     if (end_) break;
     if (!too_old()) {
       Result<FrameRef> result = std::move(*answer_);
@@ -321,9 +337,10 @@ Result<FrameRef> SensorSession::grab(TimePoint deadline) {
     answered_ = requested_ - 1;
   }
   request_open_ = false;
-  if (notices_silence && !end_ && until == silence && status_.state == SessionState::kReady) {
+  if (notices_silence && !end_ && until < deadline && status_.state == SessionState::kReady) {
     status_.state = SessionState::kLost;
     ++status_.losses;
+    last_resort_.begin();
   }
   const bool ready = status_.state == SessionState::kReady;
   return Error{ready ? ErrorCode::kSensorTimeout : ErrorCode::kSensorLost, 0, "sensor"};

@@ -3,8 +3,9 @@
 //
 // One worker thread does everything that touches the sensor, since every access on a dead link
 // blocks for seconds; who grabs waits for its own deadline only. A frame that does not come within
-// the frame deadline is the first sign of a loss: the library's own is five seconds late.
-// Thread-safe. Frames are given back before the session and the pool are destroyed.
+// the frame deadline is the first sign of a loss: the library's own is five seconds late. Where
+// there is a last resort, it is tried while the worker is still stuck. Thread-safe. Frames are
+// given back before the session and the pool are destroyed.
 #pragma once
 
 #include <condition_variable>
@@ -18,6 +19,7 @@
 
 #include "binpick/drivers/camera.hpp"
 #include "binpick/drivers/camera_spec.hpp"
+#include "sensor/last_resort.hpp"
 
 namespace binpick::app {
 
@@ -26,10 +28,13 @@ struct SessionParams {
   std::chrono::milliseconds frame_deadline{900};
   // Pauses between attempts to open: the first, doubled up to the longest.
   std::chrono::milliseconds backoff_first{50}, backoff_max{400};
-  // Called on the worker after so many failed attempts in a row, and after as many again: the last
-  // resort, such as a reset of the USB port. What it throws is noted.
+  // The last resort, such as a reset of the USB port. Called on the worker after so many failed
+  // attempts in a row, and after as many again; and on a thread of its own when the worker is still
+  // busy with a lost sensor after `recovery_after`: the sensor is then in use by this session. What
+  // it throws is noted.
   int failures_before_recovery = 5;
-  std::function<void()> recover;
+  std::chrono::milliseconds recovery_after{1000};
+  std::function<void(bool in_use)> recover;
 };
 
 enum class SessionState { kConnecting, kReady, kLost };
@@ -83,7 +88,7 @@ class SensorSession {
   void post(std::uint64_t request, Result<FrameRef> result);
   void set_state(SessionState state);
   void note_failure(const char* message);
-  void recover();
+  void recover(bool in_use);
   bool pause(std::chrono::milliseconds time);  // false when the session ends
   bool ending() const;
 
@@ -104,7 +109,10 @@ class SensorSession {
   drivers::CameraCounters closed_;        // of connections that are gone
   SessionStatus status_;
   std::vector<std::string> missing_features_;
+  // When the connection was last known to work; a frame that was dropped is a sign too.
+  TimePoint heard_{};
 
+  LastResort last_resort_;
   std::thread worker_;  // last: everything it uses is made before it
 };
 

@@ -17,14 +17,21 @@ using Clock = std::chrono::steady_clock;
 struct Script {
   std::atomic<bool> absent{false};     // opening fails
   std::atomic<bool> silent{false};     // no frame comes
-  std::atomic<bool> dead_link{false};  // every access blocks, as Aravis' do
+  std::atomic<bool> dead_link{false};  // every access blocks, as Aravis' do, until this ends
   std::atomic<bool> control_lost{false};
   std::atomic<int> drops{0};  // so many frames are dropped first
   std::atomic<bool> ended{false};
-  std::atomic<int> opened{0}, alive{0}, recovered{0};
+  std::atomic<int> opened{0}, alive{0}, recovered{0}, recovered_in_use{0};
   std::atomic<std::uint64_t> sequence{0};
+
+  void access() const;
 };
 constexpr auto kBlocked = 1500ms;
+
+void Script::access() const {
+  const auto until = Clock::now() + kBlocked;
+  while (dead_link && Clock::now() < until) std::this_thread::sleep_for(5ms);
+}
 
 class ScriptedCamera final : public drivers::Camera {
  public:
@@ -59,15 +66,13 @@ class ScriptedCamera final : public drivers::Camera {
   }
   Error trigger() override {
     if (script_.dead_link) {
-      std::this_thread::sleep_for(kBlocked);
+      script_.access();
       return {ErrorCode::kSensorRefused, 0, "test"};
     }
     wanted_ = true;
     return {};
   }
-  void stop() override {
-    if (script_.dead_link) std::this_thread::sleep_for(kBlocked);
-  }
+  void stop() override { script_.access(); }
   drivers::CameraCounters counters() const override { return counters_; }
 
  private:
@@ -86,7 +91,10 @@ struct Station {
     params.backoff_first = 5ms;
     params.backoff_max = 20ms;
     params.failures_before_recovery = 3;
-    params.recover = [this] { ++script.recovered; };
+    params.recover = [this](bool in_use) {
+      ++script.recovered;
+      script.recovered_in_use += in_use;
+    };
   }
   void start() {
     const bool triggered = params.trigger == TriggerSource::kSoftware;
@@ -189,6 +197,74 @@ TEST(SensorSession, NobodyWaitsForAccessesOnADeadLink) {
   s.script.dead_link = false;
   EXPECT_TRUE(s.grab(20s).ok());
   EXPECT_EQ(s.session->status().losses, 1u);
+}
+
+// The trigger blocks, and so would tearing down: the last resort ends both.
+TEST(SensorSession, ALinkThatStaysDeadIsRecoveredWhileTheWorkerIsStuck) {
+  Station s;
+  s.params.recovery_after = 100ms;
+  s.params.recover = [&s](bool in_use) {
+    ++s.script.recovered;
+    s.script.recovered_in_use += in_use;
+    s.script.dead_link = false;
+  };
+  s.start();
+  ASSERT_TRUE(s.grab().ok());
+  s.script.dead_link = true;
+  EXPECT_EQ(s.grab_error(60s), ErrorCode::kSensorLost);
+  EXPECT_TRUE(s.grab(20s).ok());
+  EXPECT_EQ(s.script.recovered, 1);
+  EXPECT_EQ(s.script.recovered_in_use, 1);
+  const SessionStatus status = s.session->status();
+  EXPECT_EQ(status.recoveries, 1u);
+  EXPECT_EQ(status.losses, 1u);
+  EXPECT_EQ(status.opened, 2u);
+  EXPECT_EQ(s.script.alive, 1);
+}
+
+TEST(SensorSession, TheLastResortIsTriedOnceForALossAndAgainForTheNext) {
+  Station s;
+  s.params.recovery_after = 100ms;
+  s.start();
+  for (int loss = 1; loss <= 2; ++loss) {
+    ASSERT_TRUE(s.grab(20s).ok());
+    s.script.dead_link = true;
+    EXPECT_EQ(s.grab_error(60s), ErrorCode::kSensorLost);
+    while (s.script.recovered < loss) std::this_thread::sleep_for(5ms);
+    std::this_thread::sleep_for(300ms);  // it helped nothing, and the worker is stuck all the while
+    EXPECT_EQ(s.script.recovered, loss);
+    s.script.dead_link = false;
+  }
+  EXPECT_TRUE(s.grab(20s).ok());
+}
+
+TEST(SensorSession, AQuickTearDownNeedsNoLastResort) {
+  Station s;
+  s.params.recovery_after = 10s;
+  s.start();
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(s.grab(20s).ok());
+    s.script.silent = true;
+    EXPECT_EQ(s.grab_error(60s), ErrorCode::kSensorLost);
+    s.script.silent = false;
+  }
+  EXPECT_TRUE(s.grab(20s).ok());
+  EXPECT_EQ(s.script.recovered, 0);
+}
+
+TEST(SensorSession, ALastResortThatFailsIsNoted) {
+  Station s;
+  s.params.recovery_after = 50ms;
+  s.params.recover = [](bool) { throw drivers::SensorError("may not be reset"); };
+  s.start();
+  ASSERT_TRUE(s.grab().ok());
+  s.script.dead_link = true;
+  EXPECT_EQ(s.grab_error(60s), ErrorCode::kSensorLost);
+  while (s.session->status().last_recovery_error.empty()) std::this_thread::sleep_for(5ms);
+  s.script.dead_link = false;
+  EXPECT_TRUE(s.grab(20s).ok());
+  EXPECT_EQ(s.session->status().last_recovery_error, "may not be reset");
+  EXPECT_EQ(s.session->status().recoveries, 0u);
 }
 
 TEST(SensorSession, ALostConnectionIsNoticedWhileNobodyGrabs) {

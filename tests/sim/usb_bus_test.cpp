@@ -140,6 +140,34 @@ TEST(UsbBus, DoesNotTakeTheSensorFromWhoUsesIt) {
   EXPECT_EQ(b.sim->counter("resets"), 1);
 }
 
+// As the kernel does: who has the sensor open loses what was under way, and its claim.
+TEST(UsbBus, AResetInUseEndsWhatIsUnderWay) {
+  U3vBench b;
+  b.open();
+  ASSERT_EQ(b.camera->trigger().code, ErrorCode::kNone);
+  ASSERT_TRUE(b.camera->wait_frame(U3vBench::Clock::now() + 10s).ok());
+  b.tell("fault hung 1");
+  std::atomic<bool> back{false};
+  std::thread caller([&] {
+    EXPECT_NE(b.camera->trigger().code, ErrorCode::kNone);
+    back = true;
+  });
+  std::this_thread::sleep_for(300ms);
+  EXPECT_FALSE(back) << "a hung sensor answers nothing";
+  reset_usb_port("U1", true);
+  const auto begun = U3vBench::Clock::now();
+  caller.join();
+  EXPECT_EQ(b.camera->trigger().code, ErrorCode::kSensorLost);
+  b.camera->stop();
+  const double took_s = std::chrono::duration<double>(U3vBench::Clock::now() - begun).count();
+  std::printf("[ measured ] free %.2f s after the reset\n", took_s);
+  EXPECT_LT(took_s, 3);
+  b.camera.reset();
+  b.open();
+  ASSERT_EQ(b.camera->trigger().code, ErrorCode::kNone);
+  EXPECT_TRUE(b.camera->wait_frame(U3vBench::Clock::now() + 10s).ok());
+}
+
 class EventLog {
  public:
   void add(const UsbEvent& event) {

@@ -41,6 +41,10 @@ unsigned number_at(UMockdevIoctlData* argument) {
   return number;
 }
 
+unsigned interface_of(unsigned endpoint) {
+  return endpoint == kStreamIn ? 1 : 0;
+}
+
 constexpr std::uint8_t kGetDescriptor = 6;
 constexpr std::uint8_t kStringDescriptor = 3;
 constexpr std::size_t kSetup = 8;  // bytes before the data of a control transfer
@@ -84,6 +88,19 @@ void UsbfsEmulation::claim(UMockdevIoctlClient* client, unsigned interface) {
   complete(client, -1, EBUSY);
 }
 
+// As the kernel does it: usbfs, which has no say in a reset, is unbound from every interface, so
+// that claims are gone and what programs had under way ends as if the device had left.
+void UsbfsEmulation::reset() {
+  ++resets_;
+  faults_.set("hung", "0");
+  device_.power_cycle();
+  claims_.clear();
+  for (Urb& urb : urbs_) {
+    if (!urb.done && urb_of(urb.data)->type != USBDEVFS_URB_TYPE_CONTROL)
+      finish(urb, -ESHUTDOWN, 0);
+  }
+}
+
 bool UsbfsEmulation::handle(UMockdevIoctlClient* client) {
   const unsigned long request = umockdev_ioctl_client_get_request(client);
   UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
@@ -110,9 +127,7 @@ bool UsbfsEmulation::handle(UMockdevIoctlClient* client) {
       complete(client, 0, 0);
       return true;
     case USBDEVFS_RESET:
-      ++resets_;
-      faults_.set("hung", "0");
-      device_.power_cycle();
+      reset();
       complete(client, 0, 0);
       return true;
     // Both begin with the interface's number.
@@ -151,6 +166,13 @@ bool UsbfsEmulation::handle(UMockdevIoctlClient* client) {
 bool UsbfsEmulation::submit(UMockdevIoctlClient* client, UMockdevIoctlData* urb_data) {
   if (urb_data == nullptr) return false;
   const usbdevfs_urb* request = urb_of(urb_data);
+  // Who uses an interface without a claim is given it where nobody else has it.
+  if (request->type != USBDEVFS_URB_TYPE_CONTROL &&
+      claims_.try_emplace(interface_of(request->endpoint), client).first->second != client) {
+    g_object_unref(urb_data);
+    complete(client, -1, EBUSY);
+    return true;
+  }
   Urb urb{client, urb_data, nullptr, false};
   if (request->buffer_length > 0) {
     urb.buffer = umockdev_ioctl_data_resolve(urb_data, offsetof(usbdevfs_urb, buffer),

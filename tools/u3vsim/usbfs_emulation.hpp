@@ -52,6 +52,7 @@ class UsbfsEmulation {
   // What a client has under way and holds; nullptr: of all clients.
   void drop(UMockdevIoctlClient* client);
   void claim(UMockdevIoctlClient* client, unsigned interface);
+  void reset();
 
   U3vDevice& device_;
   FaultBoard& faults_;

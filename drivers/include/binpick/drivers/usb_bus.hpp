@@ -36,8 +36,9 @@ std::string usb_access_fault(const std::string& serial);
 
 // Resets the port of the sensor with this serial number, or at this port ("2-3.1"): as if it were
 // pulled out and put in again. Throws SensorError when no such sensor is on the bus, it may not be
-// opened, or a program is using it.
-void reset_usb_port(const std::string& serial_or_port);
+// opened, or a program is using it. `in_use`: the caller's own connection to it is still open, so
+// that no other program can be using it; what that has under way then fails at once.
+void reset_usb_port(const std::string& serial_or_port, bool in_use = false);
 
 // How much memory the kernel lends for USB transfers of all programs together, MiB; 0: as much as
 // there is; -1: not known.
