@@ -10,6 +10,7 @@
 #include "aravis/received_frame.hpp"
 #include "aravis/scan3d_features.hpp"
 #include "aravis/sensor_setup.hpp"
+#include "genicam/frame_order.hpp"
 #include "genicam/hole_marks.hpp"
 
 namespace binpick::drivers {
@@ -26,6 +27,10 @@ constexpr std::size_t kUsbBytesUnderWay = std::size_t{8} << 20;
 // A bus that repeats what was damaged loses no single frame: when so many in a row are incomplete,
 // the stream is halted or out of step with the sensor, and only another start ends that.
 constexpr int kUsbIncompleteMax = 8;
+// Of a frame's packets, how many may be asked for again, resent ones included. Where leader and
+// trailer are both lost, Aravis supposes 255 packets of headers more than there are, asks for them
+// too, and with its own limit, a quarter, gives up the frame before the trailer comes.
+constexpr double kResendRatio = 1;
 // Of frames of a few kilobytes; each buffer costs transfers of its own.
 constexpr std::size_t kUsbBuffersMax = 2048;
 
@@ -62,6 +67,7 @@ class AravisCamera final : public Camera {
   void make_stream();
   ArvBuffer* pop(TimePoint deadline);
   ArvBuffer* newest(ArvBuffer* buffer);
+  void pass_over(ArvBuffer* buffer, DropReason reason);
   Result<FrameRef> take(ArvBuffer* buffer);
   DropReason fill(ArvBuffer* buffer, FrameRef& ref);
   DropReason judge_order(ArvBuffer* buffer);
@@ -71,6 +77,7 @@ class AravisCamera final : public Camera {
   void give_back(ArvBuffer* buffer);
   int buffer_count() const;
   bool out_of_step(DropReason reason);
+  void count_unfinished();
   void read_stream_counters();
 
   CameraSpec spec_;
@@ -91,8 +98,8 @@ class AravisCamera final : public Camera {
   ReceivedFrame received_;
   ReceivedFrame::Rules rules_;
   Scan3d scan3d_;
-  std::uint64_t last_frame_id_ = 0;
-  bool any_frame_ = false;
+  FrameOrder order_;
+  bool awaited_ = false;         // triggered, and nothing came yet
   int incomplete_in_a_row_ = 0;  // on the USB bus
   std::int64_t trigger_wall_ns_ = 0;
 
@@ -123,7 +130,8 @@ void AravisCamera::start(FramePool& pool) {
   for (auto& count : dropped_) count.store(0, std::memory_order_relaxed);
   for (auto* count : {&frames_, &missed_, &resent_, &missing_, &underruns_})
     count->store(0, std::memory_order_relaxed);
-  any_frame_ = false;
+  order_.clear();
+  awaited_ = false;
   incomplete_in_a_row_ = 0;
   trigger_wall_ns_ = 0;
   make_stream();
@@ -171,7 +179,8 @@ void AravisCamera::make_stream() {
   if (!stream_) features_.fail(std::string("no stream can be made: ") + error.message());
   if (ARV_IS_GV_STREAM(stream_.get())) {
     const guint retention_us = static_cast<guint>(spec_.frame_retention_ms) * 1000u;
-    g_object_set(stream_.get(), "frame-retention", retention_us, "socket-buffer",
+    g_object_set(stream_.get(), "packet-request-ratio", kResendRatio, "frame-retention",
+                 retention_us, "socket-buffer",
                  spec_.socket_buffer_bytes > 0 ? ARV_GV_STREAM_SOCKET_BUFFER_FIXED
                                                : ARV_GV_STREAM_SOCKET_BUFFER_AUTO,
                  nullptr);
@@ -206,14 +215,29 @@ void AravisCamera::give_back(ArvBuffer* buffer) {
 
 void AravisCamera::stop() {
   if (stream_) {
-    arv_camera_stop_acquisition(camera_.get(), nullptr);  // a dead sensor has stopped already
+    // A dead sensor has stopped already, and would let this wait for seconds.
+    if (!lost_.load(std::memory_order_relaxed)) arv_camera_stop_acquisition(camera_.get(), nullptr);
     read_stream_counters();
     stream_.reset();  // joins its thread and frees its buffers
+    count_unfinished();
   }
   chunks_.reset();
   converter_.reset();
   memory_ = {};
   pool_ = nullptr;
+}
+
+// On the USB bus a frame that is too short never ends: what follows it is taken for its rest. When
+// nothing follows, as with a trigger, no buffer comes either; it shows in the memory.
+void AravisCamera::count_unfinished() {
+  if (!awaited_ || arv_camera_is_uv_device(camera_.get()) == FALSE) return;
+  awaited_ = false;
+  const std::span<const std::uint8_t> memory(memory_);
+  for (std::size_t at = 0; at < memory.size(); at += Arena::padded(payload_bytes_)) {
+    const auto buffer = memory.subspan(at, payload_bytes_);
+    if (marks_.any_written_over(buffer) && marks_.any_left(buffer))
+      return count(DropReason::kShortPayload);
+  }
 }
 
 ArvBuffer* AravisCamera::pop(TimePoint deadline) {
@@ -236,11 +260,17 @@ ArvBuffer* AravisCamera::newest(ArvBuffer* buffer) {
     if (arv_buffer_get_status(newer) == ARV_BUFFER_STATUS_SUCCESS ||
         arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS)
       std::swap(buffer, newer);
-    count(arv_buffer_get_status(newer) == ARV_BUFFER_STATUS_SUCCESS ? DropReason::kSuperseded
-                                                                    : DropReason::kIncomplete);
-    give_back(newer);
+    pass_over(newer, DropReason::kSuperseded);
   }
   return buffer;
+}
+
+// A frame that nobody will look at; `reason`: why, where it is whole.
+void AravisCamera::pass_over(ArvBuffer* buffer, DropReason reason) {
+  const bool whole = arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS;
+  count(whole ? reason : DropReason::kIncomplete);
+  order_.note_dropped();
+  give_back(buffer);
 }
 
 Result<FrameRef> AravisCamera::wait_frame(TimePoint deadline) {
@@ -251,7 +281,8 @@ Result<FrameRef> AravisCamera::wait_frame(TimePoint deadline) {
     if (lost_.load(std::memory_order_relaxed)) return Error{ErrorCode::kSensorLost, 0, "sensor"};
     return Error{ErrorCode::kSensorTimeout, 0, "sensor"};
   }
-  if (spec_.trigger == TriggerSource::kFreeRun) buffer = newest(buffer);
+  awaited_ = false;
+  if (spec_.trigger == TriggerSource::kFreeRun && spec_.newest_wins) buffer = newest(buffer);
   Result<FrameRef> result = take(buffer);
   give_back(buffer);
   read_stream_counters();
@@ -262,7 +293,11 @@ Result<FrameRef> AravisCamera::take(ArvBuffer* buffer) {
   DropReason reason = received_.read(buffer, payload_bytes_, rules_);
   if (reason == DropReason::kNone && marks_.any_left(received_.bytes()))
     reason = DropReason::kIncomplete;
-  if (reason == DropReason::kNone) reason = judge_order(buffer);
+  if (reason == DropReason::kNone) {
+    reason = judge_order(buffer);
+  } else {
+    order_.note_dropped();
+  }
   FrameRef ref;
   if (reason == DropReason::kNone) {
     ref = pool_->try_take();
@@ -287,20 +322,9 @@ bool AravisCamera::out_of_step(DropReason reason) {
 
 // Newer than the frame before it and than the trigger that asked for it.
 DropReason AravisCamera::judge_order(ArvBuffer* buffer) {
-  const std::uint64_t id = arv_buffer_get_frame_id(buffer);
-  const bool wide = id > 0xFFFF || last_frame_id_ > 0xFFFF;
-  // Standard ids have 16 bits and wrap, leaving 0 out.
-  const std::int64_t step =
-      wide ? static_cast<std::int64_t>(id - last_frame_id_)
-           : static_cast<std::int16_t>(static_cast<std::uint16_t>(id - last_frame_id_));
-  if (any_frame_ && step <= 0) return DropReason::kStale;
-  if (any_frame_ && step > 1) {
-    const bool wrapped = !wide && id < last_frame_id_;
-    missed_.fetch_add(static_cast<std::uint64_t>(step - 1 - (wrapped ? 1 : 0)),
-                      std::memory_order_relaxed);
-  }
-  any_frame_ = true;
-  last_frame_id_ = id;
+  std::uint64_t missed = 0;
+  if (!order_.advance(arv_buffer_get_frame_id(buffer), missed)) return DropReason::kStale;
+  missed_.fetch_add(missed, std::memory_order_relaxed);
   const auto begun_ns = static_cast<std::int64_t>(arv_buffer_get_system_timestamp(buffer));
   if (trigger_wall_ns_ != 0 && begun_ns < trigger_wall_ns_) return DropReason::kStale;
   return DropReason::kNone;
@@ -333,10 +357,9 @@ Error AravisCamera::trigger() {
   if (spec_.trigger != TriggerSource::kSoftware) return {ErrorCode::kSensorRefused, 0, "trigger"};
   if (lost_.load(std::memory_order_relaxed)) return {ErrorCode::kSensorLost, 0, "sensor"};
   while (ArvBuffer* old = arv_stream_try_pop_buffer(stream_.get())) {
-    count(arv_buffer_get_status(old) == ARV_BUFFER_STATUS_SUCCESS ? DropReason::kStale
-                                                                  : DropReason::kIncomplete);
-    give_back(old);
+    pass_over(old, DropReason::kStale);
   }
+  awaited_ = true;
   trigger_wall_ns_ = g_get_real_time() * 1000;
   CaughtError error;
   arv_camera_software_trigger(camera_.get(), error.out());

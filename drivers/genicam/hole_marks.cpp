@@ -26,4 +26,11 @@ bool HoleMarks::any_left(std::span<const std::uint8_t> received) const {
   return left;
 }
 
+bool HoleMarks::any_written_over(std::span<const std::uint8_t> buffer) const {
+  for (std::size_t at = 0; at + sizeof value_ <= buffer.size(); at += kSpacing) {
+    if (std::memcmp(buffer.data() + at, &value_, sizeof value_) != 0) return true;
+  }
+  return false;
+}
+
 }  // namespace binpick::drivers

@@ -22,6 +22,8 @@ class HoleMarks {
   void mark(std::span<std::uint8_t> buffer) const;
   // Whether a mark is left in the bytes from the buffer's beginning on.
   bool any_left(std::span<const std::uint8_t> received) const;
+  // Whether anything came at all.
+  bool any_written_over(std::span<const std::uint8_t> buffer) const;
 
  private:
   std::uint64_t value_;

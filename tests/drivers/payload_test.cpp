@@ -351,6 +351,7 @@ TEST(HoleMarks, AnyPacketThatNeverCameIsNoticed) {
   std::vector<std::uint8_t> buffer(20000, 1);
   marks.mark(buffer);
   EXPECT_TRUE(marks.any_left(buffer));
+  EXPECT_FALSE(marks.any_written_over(buffer));
   const std::vector<std::uint8_t> whole(buffer.size(), 9);
   constexpr std::size_t kPacket = 500;
   for (std::size_t hole = 0; hole + kPacket <= buffer.size(); hole += 37) {
@@ -358,6 +359,7 @@ TEST(HoleMarks, AnyPacketThatNeverCameIsNoticed) {
     std::copy(whole.begin(), whole.begin() + hole, buffer.begin());
     std::copy(whole.begin() + hole + kPacket, whole.end(), buffer.begin() + hole + kPacket);
     EXPECT_TRUE(marks.any_left(buffer)) << hole;
+    EXPECT_TRUE(marks.any_written_over(buffer)) << hole;
   }
   EXPECT_FALSE(marks.any_left(whole));
 }

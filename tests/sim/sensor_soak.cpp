@@ -1,6 +1,6 @@
 // A long run of the doubles through the real driver, started by a person: 1280x1024 at 20 frames/s,
-// every accepted frame compared with its file, bit for bit. Prints a line a case; the exit status
-// is 1 where a bad frame was accepted, or a case without losses lost one.
+// each frame in its turn compared with its file, bit for bit. Prints a line a case; the exit status
+// is 1 where a bad frame was accepted, or one never came.
 //
 //   sensor_soak [FRAMES]            all cases
 //   sensor_soak FRAMES CASE         one of them: gev-1400, gev-9000, gev-1400-0.002, ..., u3v
@@ -22,22 +22,21 @@ using Clock = std::chrono::steady_clock;
 
 struct SoakCase {
   const char* name;
-  int packet_size;     // 0: USB
-  const char* loss;    // of packets
-  bool must_be_whole;  // no frame may be missing
+  int packet_size;   // 0: USB
+  const char* loss;  // of packets; what is lost is sent again
   bool packet_socket = false;
 };
 
 constexpr SoakCase kCases[] = {
-    {"gev-1400", 1400, "0", true},
-    {"gev-9000", 9000, "0", true},
-    {"gev-1400-0.002", 1400, "0.002", false},
-    {"gev-1400-0.05", 1400, "0.05", false},
-    {"gev-9000-0.002", 9000, "0.002", false},
-    {"gev-9000-0.05", 9000, "0.05", false},
-    {"u3v", 0, "0", true},
+    {"gev-1400", 1400, "0"},
+    {"gev-9000", 9000, "0"},
+    {"gev-1400-0.002", 1400, "0.002"},
+    {"gev-1400-0.05", 1400, "0.05"},
+    {"gev-9000-0.002", 9000, "0.002"},
+    {"gev-9000-0.05", 9000, "0.05"},
+    {"u3v", 0, "0"},
     // Where the process may: Aravis then reads packets from memory that it shares with the kernel.
-    {"gev-1400-packet-socket", 1400, "0", false, true},
+    {"gev-1400-packet-socket", 1400, "0", true},
 };
 
 // `who`: the process or the thread that grabs; the others are Aravis'.
@@ -70,6 +69,8 @@ int soak(const SoakCase& c, int count) {
   b.spec.packet_size_bytes = c.packet_size;
   b.spec.packet_socket = c.packet_socket;
   b.spec.trigger = TriggerSource::kFreeRun;
+  // A frame that waits for a packet to be sent again is often complete together with the next one.
+  b.spec.newest_wins = false;
   b.open();
   if (!usb && b.sim->tell(std::string("fault loss ") + c.loss) != "ok") return 1;
   std::uint64_t bad = 0;
@@ -97,15 +98,14 @@ int soak(const SoakCase& c, int count) {
   const CameraCounters n = b.camera->counters();
   const auto number = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
   std::printf(
-      "%-22s %4llu good %llu bad, dropped %llu, missed %llu, superseded %llu, resends %llu, "
+      "%-22s %4llu good %llu bad, dropped %llu, missed %llu, underruns %llu, resends %llu, "
       "%.1f frames/s, %.1f %% of a core, of that %.1f %% grabbing\n",
       c.name, number(n.frames - bad), number(bad), number(n.dropped_total()),
-      number(n.frames_missed), number(n.dropped_count(DropReason::kSuperseded)),
-      number(n.packets_resent), static_cast<double>(n.frames) / took_s, 100 * all_s / took_s,
-      100 * own_s / took_s);
+      number(n.frames_missed), number(n.underruns), number(n.packets_resent),
+      static_cast<double>(n.frames) / took_s, 100 * all_s / took_s, 100 * own_s / took_s);
   std::fflush(stdout);
   const bool whole = timeouts == 0 && n.frames == static_cast<std::uint64_t>(count);
-  return bad > 0 || (c.must_be_whole && !whole) ? 1 : 0;
+  return bad > 0 || !whole ? 1 : 0;
 }
 
 // In a process of its own: on USB with umockdev's library, which has to be there from the start.

@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(
     AtTheBus, U3vFaults,
     testing::Values(
         // No frame ends until the stream is started anew.
-        FaultCase{"short-payload", {}},
+        FaultCase{"short-payload", {DropReason::kShortPayload}},
         FaultCase{"wrong-trailer", {DropReason::kIncomplete}},
         // Aravis passes over the trailer's status: a frame is judged by its bytes.
         FaultCase{"trailer-status", {}, true},

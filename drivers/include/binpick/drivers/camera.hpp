@@ -42,7 +42,7 @@ const char* drop_reason_name(DropReason reason);
 struct CameraCounters {
   std::uint64_t frames = 0;                               // handed on
   std::array<std::uint64_t, kDropReasonCount> dropped{};  // by DropReason
-  std::uint64_t frames_missed = 0;                        // gaps in the source's numbering
+  std::uint64_t frames_missed = 0;                        // by the source's numbering; never came
   std::uint64_t packets_resent = 0, packets_missing = 0;  // GigE Vision
   std::uint64_t underruns = 0;                            // no driver buffer was free
 
@@ -61,9 +61,9 @@ class Camera {
 
   // Makes all buffers and lets frames come. The pool outlives the stop. Throws SensorError.
   virtual void start(FramePool& pool) = 0;
-  // The next frame (in free run: the newest). Errors: kSensorTimeout; kSensorFrameDropped as soon
-  // as a frame had to be dropped, so that the caller may trigger again; kSensorLost; kSensorEnd;
-  // kSensorNotStarted. Allocates nothing.
+  // The next frame (in free run: the newest, unless the spec wants each). Errors: kSensorTimeout;
+  // kSensorFrameDropped as soon as a frame had to be dropped, so that the caller may trigger again;
+  // kSensorLost; kSensorEnd; kSensorNotStarted. Allocates nothing.
   virtual Result<FrameRef> wait_frame(TimePoint deadline) = 0;
   // Software trigger: one frame. What came before is stale from here on. kNone, kSensorRefused (the
   // source is not triggered by software), kSensorLost. On a dead link it may take seconds.

@@ -68,6 +68,8 @@ struct CameraSpec {
   SensorProfile profile;
   TriggerSource trigger = TriggerSource::kSoftware;
   std::string trigger_line = "Line0";
+  // Free run: of several frames that wait the newest is given. Else each, in their order.
+  bool newest_wins = true;
   std::optional<double> exposure_us, gain, frame_rate_hz;
   // Instead of the sensor's own focal length and principal point.
   std::optional<CameraIntrinsics> intrinsics;
