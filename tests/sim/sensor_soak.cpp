@@ -56,9 +56,9 @@ void enter_bus(const std::string& first_line) {
 
 int soak(const SoakCase& c, int count) {
   const bool usb = c.packet_size == 0;
+  std::unique_ptr<SimulatorProcess> u3v;  // outlives the camera, whose calls it answers
   // One bench for both: on USB its GigE Vision sensor stands by, unused.
   GevBench b({"--fps", "20"});
-  std::unique_ptr<SimulatorProcess> u3v;
   if (usb) {
     u3v = std::make_unique<SimulatorProcess>(
         U3VSIM, std::vector<std::string>{"--scenes", kSampleBin, "--scene", "1", "--serial", "U1",

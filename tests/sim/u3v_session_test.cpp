@@ -169,6 +169,18 @@ TEST(U3vSession, AnUnpluggedSensorIsNoticedAndUsedAgainWhenItIsBack) {
   EXPECT_LT(returned_s, 10);
 }
 
+// To a program that has it open.
+TEST(U3vSession, TheSimulatorsEndIsAPulledCable) {
+  U3vBench b;
+  LiveSensor sensor(b.spec, b.pool, {});
+  ASSERT_TRUE(sensor.session().grab(Clock::now() + 20s).ok());
+  const auto begun = Clock::now();
+  EXPECT_EQ(b.sim->quit(), 0);
+  std::printf("[ measured ] it ended after %.2f s\n", seconds_since(begun));
+  EXPECT_EQ(sensor.session().grab(Clock::now() + 1s).error().code, ErrorCode::kSensorLost);
+  EXPECT_EQ(sensor.session().status().losses, 1u);
+}
+
 // Every access on it takes seconds: the port is reset while the worker is still stuck in one.
 TEST(U3vSession, ASensorThatHangsUntilItsPortIsResetIsRecovered) {
   U3vBench b;

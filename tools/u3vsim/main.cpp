@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -13,6 +14,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "control_port.hpp"
@@ -26,6 +28,7 @@ namespace {
 
 constexpr int kCannotStart = 78;  // EX_CONFIG
 constexpr int kUsage = 2;
+constexpr int kLeavingMs = 3000;  // for programs to close a sensor that has left
 
 struct Options {
   SensorName name;
@@ -131,10 +134,18 @@ class Simulator {
     }
     device_.acquisition().stop();
     close(signal_descriptor);
+    leave();
     return 0;
   }
 
  private:
+  // As a pulled cable: umockdev's library aborts programs whose calls nobody answers any more.
+  void leave() {
+    bed_.unplug();
+    for (int i = 0; i < kLeavingMs && usbfs_.clients() > 0; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+
   static SensorOptions sensor_options(const Options& o) {
     SensorOptions options;
     options.name = o.name;
@@ -150,7 +161,8 @@ class Simulator {
     std::ostringstream text;
     text << "ok frames=" << device_.acquisition().frames_made()
          << " dropped=" << device_.frames_dropped() << " plugged=" << bed_.plugged()
-         << " acquiring=" << sensor_.acquiring() << " resets=" << usbfs_.resets();
+         << " clients=" << usbfs_.clients() << " acquiring=" << sensor_.acquiring()
+         << " resets=" << usbfs_.resets();
     if (!faults_.text().empty()) text << " faults: " << faults_.text();
     return text.str();
   }

@@ -22,6 +22,9 @@ constexpr std::uint32_t kCapabilities = USBDEVFS_CAP_ZERO_PACKET | USBDEVFS_CAP_
 // An emulated node always polls ready, so libusb would ask without pause; but a client's calls wait
 // for each other, so the pause has to be short.
 constexpr std::chrono::microseconds kReapPause{300};
+// While a stream waits for its next frame, which ends the pause: each empty answer costs the client
+// a round trip.
+constexpr std::chrono::microseconds kStreamPause{1000};
 
 usbdevfs_urb* urb_of(UMockdevIoctlData* data) {
   return reinterpret_cast<usbdevfs_urb*>(data->data);
@@ -54,11 +57,12 @@ constexpr std::size_t kSetup = 8;  // bytes before the data of a control transfe
 UsbfsEmulation::UsbfsEmulation(U3vDevice& device, FaultBoard& faults, const SensorName& name)
     : device_(device), faults_(faults), name_(name), handler_(umockdev_ioctl_base_new()) {
   g_signal_connect(handler_, "handle-ioctl", G_CALLBACK(on_ioctl), this);
-  g_signal_connect(handler_, "client-vanished", G_CALLBACK(on_vanished), this);
+  g_signal_connect(handler_, "client-connected", G_CALLBACK(on_connected), this);
 }
 
 UsbfsEmulation::~UsbfsEmulation() {
   g_signal_handlers_disconnect_by_data(handler_, this);
+  for (UMockdevIoctlClient* client : clients_) g_object_weak_unref(G_OBJECT(client), on_gone, this);
   drop(nullptr);
   g_object_unref(handler_);
 }
@@ -67,8 +71,20 @@ gboolean UsbfsEmulation::on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* clien
   return static_cast<UsbfsEmulation*>(self)->handle(client) ? TRUE : FALSE;
 }
 
-void UsbfsEmulation::on_vanished(UMockdevIoctlBase*, UMockdevIoctlClient* client, void* self) {
-  static_cast<UsbfsEmulation*>(self)->drop(client);
+// There is a signal for a client that leaves too, which umockdev never gives: it frees the object.
+void UsbfsEmulation::on_connected(UMockdevIoctlBase*, UMockdevIoctlClient* client, void* self) {
+  auto& usbfs = *static_cast<UsbfsEmulation*>(self);
+  usbfs.clients_.insert(client);
+  usbfs.client_count_ = static_cast<int>(usbfs.clients_.size());
+  g_object_weak_ref(G_OBJECT(client), on_gone, self);
+}
+
+void UsbfsEmulation::on_gone(void* self, GObject* where_it_was) {
+  auto& usbfs = *static_cast<UsbfsEmulation*>(self);
+  auto* client = reinterpret_cast<UMockdevIoctlClient*>(where_it_was);
+  usbfs.drop(client);
+  usbfs.clients_.erase(client);
+  usbfs.client_count_ = static_cast<int>(usbfs.clients_.size());
 }
 
 void UsbfsEmulation::drop(UMockdevIoctlClient* client) {
@@ -265,7 +281,7 @@ bool UsbfsEmulation::reap(UMockdevIoctlClient* client, UMockdevIoctlData* argume
       return urb_of(urb.data)->endpoint == kStreamIn;
     });
     if (stream_waits) {
-      device_.wait_for_data(kReapPause);
+      device_.wait_for_data(kStreamPause);
     } else {
       std::this_thread::sleep_for(kReapPause);
     }

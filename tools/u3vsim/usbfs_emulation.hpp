@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "u3v_device.hpp"
@@ -28,6 +29,8 @@ class UsbfsEmulation {
     if (plugged) arrived_ = true;
     plugged_ = plugged;
   }
+  // How often programs have the device open.
+  int clients() const { return client_count_; }
   // Of the port, by hosts.
   std::uint64_t resets() const { return resets_; }
 
@@ -40,7 +43,8 @@ class UsbfsEmulation {
     bool done;
   };
   static gboolean on_ioctl(UMockdevIoctlBase* base, UMockdevIoctlClient* client, void* self);
-  static void on_vanished(UMockdevIoctlBase* base, UMockdevIoctlClient* client, void* self);
+  static void on_connected(UMockdevIoctlBase* base, UMockdevIoctlClient* client, void* self);
+  static void on_gone(void* self, GObject* where_it_was);
   bool handle(UMockdevIoctlClient* client);
   bool submit(UMockdevIoctlClient* client, UMockdevIoctlData* urb_data);
   bool discard(UMockdevIoctlClient* client, UMockdevIoctlData* argument);
@@ -62,6 +66,8 @@ class UsbfsEmulation {
   std::atomic<bool> arrived_{false};  // and nobody has asked it anything since
   std::deque<Urb> urbs_;
   std::map<unsigned, UMockdevIoctlClient*> claims_;  // by interface
+  std::set<UMockdevIoctlClient*> clients_;
+  std::atomic<int> client_count_{0};  // of them, for other threads
   std::atomic<std::uint64_t> resets_{0};
 };
 
