@@ -152,8 +152,7 @@ TEST(Payload, AbcPointsOffTheirRaysAreProjectedNearestFirst) {
 TEST(Payload, OfEqualPointsInAPixelTheFirstStays) {
   Conversion c(3, 3);
   F32 abc = points_on_rays(F32(9, 500), 100);
-  // Points 0, 5 and 8 meet in the middle, point 4 among them; the last lies behind. Point 2 is
-  // nowhere.
+  // In the middle: points 0, 4 and 5, and behind them point 8. Point 2 is nowhere.
   for (const std::size_t i : {0u, 5u, 8u}) abc[3 * i] = abc[3 * i + 1] = 0;
   abc[3 * 8 + 2] = 501;
   abc[3 * 2] = 5000;
