@@ -64,6 +64,41 @@ TEST(GevCamera, FreeRunPassesOverWhatIsNoLongerNew) {
   EXPECT_GT(b.camera->counters().dropped_count(DropReason::kSuperseded), 0u);
 }
 
+// Set by a profile's settings; what the sensor says of its principal point follows.
+TEST(GevCamera, ARegionOfInterestIsThatOfTheFile) {
+  GevBench b;
+  b.spec.profile.settings = {{"OffsetX", "0"},  {"OffsetY", "0"},   {"Width", "640"},
+                             {"Height", "480"}, {"OffsetX", "320"}, {"OffsetY", "200"}};
+  b.open();
+  const Result<FrameRef> result = b.grab();
+  ASSERT_TRUE(result.ok());
+  const Frame& frame = result.value().frame();
+  const LoadedFrame& file = b.files[0];
+  ASSERT_EQ(frame.depth_mm.width, 640);
+  ASSERT_EQ(frame.depth_mm.height, 480);
+  EXPECT_EQ(frame.camera.cx, file.camera.cx - 320);
+  EXPECT_EQ(frame.camera.cy, file.camera.cy - 200);
+  for (int y = 0; y < 480; ++y) {
+    const std::ptrdiff_t at = (200 + y) * std::ptrdiff_t{1280} + 320;
+    ASSERT_EQ(std::memcmp(frame.depth_mm.data + y * std::ptrdiff_t{640}, file.depth_mm.data() + at,
+                          640 * sizeof(float)),
+              0);
+    ASSERT_EQ(std::memcmp(frame.intensity.data + y * std::ptrdiff_t{640},
+                          file.intensity.data() + at, 640),
+              0);
+  }
+  b.camera->stop();
+  b.spec.profile.settings = {{"Width", "1281"}};
+  try {
+    b.open();
+    FAIL() << "no error";
+  } catch (const SensorError& e) {
+    EXPECT_NE(std::string(e.what()).find("the feature Width cannot be set to 1281"),
+              std::string::npos)
+        << e.what();
+  }
+}
+
 TEST(GevCamera, AnEmptyPoolDropsAndCounts) {
   GevBench b({}, 1);
   b.open();

@@ -117,6 +117,8 @@ void GvspBlock::build_leader(GvspPacket& packet) const {
     put_be32(out, frame_.parts.front().pixel_format);
     put_be32(out + 4, width);
     put_be32(out + 8, height);
+    put_be32(out + 12, frame_.offset_x);
+    put_be32(out + 16, frame_.offset_y);
     packet.begin(packet.head_bytes + 12 + 24);
     return;
   }
@@ -132,6 +134,8 @@ void GvspBlock::build_leader(GvspPacket& packet) const {
     put_be16(out + 20, static_cast<std::uint16_t>(frame_.parts[i].component_id));
     put_be32(out + 24, width);
     put_be32(out + 28, height);
+    put_be32(out + 32, frame_.offset_x);
+    put_be32(out + 36, frame_.offset_y);
   }
   packet.begin(packet.head_bytes + 12 + kPartInfo * segments_.size());
 }

@@ -33,6 +33,8 @@ enum FeatureAddress : std::uint64_t {
   kChunkSelector = 0x10054,
   kExposureAuto = 0x10058,
   kTriggersMissed = 0x1005c,  // a vendor's feature: triggers that came while a frame was pending
+  kSensorWidth = 0x10060,
+  kSensorHeight = 0x10064,
 
   kAcquisitionFrameRate = 0x10080,
   kExposureTime = 0x10088,

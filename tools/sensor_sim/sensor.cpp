@@ -9,11 +9,26 @@ namespace binpick::sim {
 namespace {
 
 constexpr double kFrameRateMax = 1000;
-constexpr std::uint64_t kRamFeatures[] = {
-    kComponentSelector, kTriggerSelector, kTriggerMode,     kTriggerSource,
-    kTriggerActivation, kTriggerSoftware, kAcquisitionMode, kAcquisitionStart,
-    kAcquisitionStop,   kTLParamsLocked,  kDeviceReset,     kCoordinateSelector,
-    kChunkModeActive,   kChunkSelector,   kExposureAuto,    kAcquisitionFrameCount};
+constexpr std::uint64_t kRamFeatures[] = {kComponentSelector,
+                                          kTriggerSelector,
+                                          kTriggerMode,
+                                          kTriggerSource,
+                                          kTriggerActivation,
+                                          kTriggerSoftware,
+                                          kAcquisitionMode,
+                                          kAcquisitionStart,
+                                          kAcquisitionStop,
+                                          kTLParamsLocked,
+                                          kDeviceReset,
+                                          kCoordinateSelector,
+                                          kChunkModeActive,
+                                          kChunkSelector,
+                                          kExposureAuto,
+                                          kAcquisitionFrameCount,
+                                          kWidth,
+                                          kHeight,
+                                          kOffsetX,
+                                          kOffsetY};
 constexpr std::uint64_t kRamFloats[] = {kAcquisitionFrameRate, kExposureTime, kGain};
 
 // fy / fx such that fx times it is fy to the last bit, where there is such a number.
@@ -24,6 +39,10 @@ double aspect_ratio(double fx, double fy) {
     if (fx * candidate == fy) return candidate;
   }
   return ratio;
+}
+
+bool is_region(std::uint64_t address) {
+  return address == kWidth || address == kHeight || address == kOffsetX || address == kOffsetY;
 }
 
 std::uint32_t selector_limit(std::uint64_t address) {
@@ -80,8 +99,10 @@ void Sensor::add_features(const SensorOptions& options) {
   r.allow_write(kPixelFormat, 4 * kComponentCount);
   r.allow_write(kChunkEnable, 4 * kChunkCount);
 
-  r.set_u32(kWidth, static_cast<std::uint32_t>(first->width));
-  r.set_u32(kHeight, static_cast<std::uint32_t>(first->height));
+  for (const std::uint64_t address : {kWidth, kSensorWidth})
+    r.set_u32(address, static_cast<std::uint32_t>(first->width));
+  for (const std::uint64_t address : {kHeight, kSensorHeight})
+    r.set_u32(address, static_cast<std::uint32_t>(first->height));
   r.set_u32(kAcquisitionFrameCount, 1);
   r.set_u32(kOutputMode, personality_.output_mode);
   r.set_u32(kDistanceUnit, personality_.distance_unit);
@@ -147,6 +168,18 @@ void Sensor::tell_the_truth() {
   false_values_.clear();
 }
 
+// Offset and size are each limited by the other, as the naming convention has it.
+AccessStatus Sensor::check_region(std::uint64_t address, std::uint32_t value) const {
+  if (acquiring_) return AccessStatus::kBusy;
+  const bool across = address == kWidth || address == kOffsetX;
+  const bool is_size = address == kWidth || address == kHeight;
+  const std::uint32_t sensor = registers_.u32(across ? kSensorWidth : kSensorHeight);
+  const std::uint32_t other = is_size ? registers_.u32(across ? kOffsetX : kOffsetY)
+                                      : registers_.u32(across ? kWidth : kHeight);
+  const bool fits = value <= sensor - other && (!is_size || value > 0);
+  return fits ? AccessStatus::kOk : AccessStatus::kInvalidParameter;
+}
+
 AccessStatus Sensor::check_value(std::uint64_t address, std::span<const std::uint8_t> bytes) const {
   if (address < kFeatureBase || address >= kFeatureEnd) return AccessStatus::kOk;
   const bool is_float =
@@ -160,6 +193,7 @@ AccessStatus Sensor::check_value(std::uint64_t address, std::span<const std::uin
     return fits ? AccessStatus::kOk : AccessStatus::kInvalidParameter;
   }
   const auto value = get<std::uint32_t>(bytes.data(), registers_.order());
+  if (is_region(address)) return check_region(address, value);
   if (address >= kPixelFormat && address < kPixelFormat + 4 * kComponentCount) {
     if (acquiring_) return AccessStatus::kBusy;
     const auto component = static_cast<Component>((address - kPixelFormat) / 4);
@@ -200,6 +234,11 @@ AccessStatus Sensor::write(std::uint64_t address, std::span<const std::uint8_t> 
         break;
       default:
         registers_.store(address, bytes);
+        if (is_region(address)) {
+          cut_.clear();
+          encoded_.clear();
+          store_camera(*view(0));
+        }
         if (address >= kFeatureBase && address < kFeatureEnd) update_payload_size(multipart_);
     }
   }

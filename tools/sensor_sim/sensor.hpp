@@ -37,6 +37,7 @@ struct SensorFrame {
   std::uint64_t timestamp_ns = 0;
   int image_id = 0;
   int width = 0, height = 0;
+  std::uint32_t offset_x = 0, offset_y = 0;  // of the region, px
   std::vector<FramePart> parts;
   std::vector<std::uint8_t> chunks;  // empty when chunk mode is off
   std::size_t byte_count() const;
@@ -98,6 +99,8 @@ class Sensor {
  private:
   void add_features(const SensorOptions& options);
   AccessStatus check_value(std::uint64_t address, std::span<const std::uint8_t> bytes) const;
+  AccessStatus check_region(std::uint64_t address, std::uint32_t value) const;
+  std::shared_ptr<const SceneFrame> view(int index);  // the region of a scene image
   Scan3dValues scan3d_values() const;
   void store_camera(const SceneFrame& frame);
   ChunkValues chunk_values(const SceneFrame& frame) const;
@@ -122,7 +125,8 @@ class Sensor {
   Commands commands_;
   bool acquiring_ = false;
   bool multipart_ = true;
-  std::vector<Encoded> encoded_;  // bounded; oldest first
+  std::vector<Encoded> encoded_;                        // bounded; oldest first
+  std::vector<std::shared_ptr<const SceneFrame>> cut_;  // of the region; bounded, oldest first
 };
 
 }  // namespace binpick::sim

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "binpick/base/assert.hpp"
+#include "region.hpp"
 #include "sensor.hpp"
 
 namespace binpick::sim {
@@ -9,6 +10,7 @@ namespace {
 
 // Images of one component that are kept: a loop over a few scenes then costs only their sending.
 constexpr std::size_t kEncodedMax = 96;
+constexpr std::size_t kCutMax = 16;
 
 }  // namespace
 
@@ -96,11 +98,27 @@ SharedBytes Sensor::encoded(const std::shared_ptr<const SceneFrame>& frame, Comp
   return bytes;
 }
 
+std::shared_ptr<const SceneFrame> Sensor::view(int index) {
+  const auto side = [&](std::uint64_t address) {
+    return static_cast<int>(registers_.u32(address));
+  };
+  const Region region{side(kOffsetX), side(kOffsetY), side(kWidth), side(kHeight)};
+  const int image_id = scenes_.image_id(index);
+  for (const auto& kept : cut_) {
+    if (kept->image_id == image_id) return kept;
+  }
+  std::shared_ptr<const SceneFrame> whole = scenes_.frame(index);
+  if (region.width == whole->width && region.height == whole->height) return whole;
+  if (cut_.size() >= kCutMax) cut_.erase(cut_.begin());
+  cut_.push_back(std::make_shared<const SceneFrame>(cut_out(*whole, region)));
+  return cut_.back();
+}
+
 std::vector<SensorFrame> Sensor::expose(std::uint64_t index, std::uint64_t first_id,
                                         std::uint64_t timestamp_ns, bool multipart) {
   const std::lock_guard guard(mutex_);
   const auto count = static_cast<std::uint64_t>(scenes_.count());
-  const std::shared_ptr<const SceneFrame> scene = scenes_.frame(static_cast<int>(index % count));
+  const std::shared_ptr<const SceneFrame> scene = view(static_cast<int>(index % count));
   store_camera(*scene);
   std::vector<SensorFrame> frames;
   for (const Component component : enabled_components()) {
@@ -111,6 +129,8 @@ std::vector<SensorFrame> Sensor::expose(std::uint64_t index, std::uint64_t first
       frame.image_id = scene->image_id;
       frame.width = scene->width;
       frame.height = scene->height;
+      frame.offset_x = registers_.u32(kOffsetX);
+      frame.offset_y = registers_.u32(kOffsetY);
       frames.push_back(std::move(frame));
     }
     const std::uint32_t format = registers_.u32(kPixelFormat + 4 * component);
@@ -138,7 +158,7 @@ void Sensor::warm_up() {
   const int count = std::min(scenes_.count(), 16);
   for (int i = 0; i < count; ++i) expose(static_cast<std::uint64_t>(i), 1, 0, true);
   const std::lock_guard guard(mutex_);
-  store_camera(*scenes_.frame(0));
+  store_camera(*view(0));
 }
 
 }  // namespace binpick::sim

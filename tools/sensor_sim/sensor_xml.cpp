@@ -48,12 +48,12 @@ void add_device_control(XmlBuilder& xml, Transport transport) {
 
 void add_image_format(XmlBuilder& xml, const Personality& personality) {
   xml.category("ImageFormatControl");
-  xml.integer("SensorWidth", at(kWidth), kRo);
-  xml.integer("SensorHeight", at(kHeight), kRo);
-  xml.integer("Width", at(kWidth), kRo);
-  xml.integer("Height", at(kHeight), kRo);
-  xml.integer("OffsetX", at(kOffsetX), kRo);
-  xml.integer("OffsetY", at(kOffsetY), kRo);
+  xml.integer("SensorWidth", at(kSensorWidth), kRo);
+  xml.integer("SensorHeight", at(kSensorHeight), kRo);
+  xml.integer("Width", at(kWidth), kRw);
+  xml.integer("Height", at(kHeight), kRw);
+  xml.integer("OffsetX", at(kOffsetX), kRw);
+  xml.integer("OffsetY", at(kOffsetY), kRw);
   xml.enumeration("ComponentSelector", at(kComponentSelector), kRw,
                   {{personality.range_component, kRange},
                    {"Intensity", kIntensity},

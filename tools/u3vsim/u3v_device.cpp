@@ -171,6 +171,8 @@ std::vector<std::uint8_t> U3vDevice::leader(const SensorFrame& frame) {
   const bool high = dice_.falls(faults_.value(kLyingHeight));
   put_le32(&bytes[32], static_cast<std::uint32_t>(frame.width) * (wide ? 2 : 1));
   put_le32(&bytes[36], static_cast<std::uint32_t>(frame.height) * (high ? 2 : 1));
+  put_le32(&bytes[40], frame.offset_x);
+  put_le32(&bytes[44], frame.offset_y);
   return bytes;
 }
 
