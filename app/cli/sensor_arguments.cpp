@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "binpick/drivers/loaded_frame.hpp"
+#include "binpick/drivers/open_camera.hpp"
 #include "binpick/drivers/sensor_list.hpp"
 #include "cli/number_between.hpp"
 #include "sensor/sensor_profile_file.hpp"
@@ -66,7 +67,7 @@ drivers::CameraSpec camera_spec_of(const SensorArguments& a) {
     spec.profile = load_sensor_profile(a.profile);
     return spec;
   }
-  if (!a.uri.starts_with("gev://") && !a.uri.starts_with("u3v://")) return spec;
+  if (!drivers::is_live_sensor(a.uri)) return spec;
   const drivers::SensorReport sensor = drivers::read_sensor_report(a.uri);
   const auto profiles = load_sensor_profiles(sensor_profile_folder());
   if (const auto* fitting = find_profile(profiles, sensor.vendor, sensor.model))

@@ -144,11 +144,11 @@ void add_sensor_info_command(CLI::App& app, int& exit_status) {
   auto seconds = std::make_shared<double>(3);
   CLI::App& command =
       *app.add_subcommand("sensor-info", "Show a sensor's features, throughput and losses");
-  command.add_option("sensor", arguments->uri, "gev://... or u3v://...")
+  command.add_option("sensor", arguments->uri, "gev://..., u3v://... or sim:gev")
       ->required()
       ->check([](const std::string& uri) {
-        const bool live = uri.starts_with("gev://") || uri.starts_with("u3v://");
-        return live ? std::string() : uri + ": expected gev://... or u3v://...";
+        const bool live = drivers::is_live_sensor(uri);
+        return live ? std::string() : uri + ": expected gev://..., u3v://... or sim:gev";
       });
   command.add_option("--seconds", *seconds, "How long to measure; 0: not at all")
       ->check(number_between(0.0, 3600.0))

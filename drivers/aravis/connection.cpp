@@ -35,7 +35,9 @@ std::mutex& sensor_list_mutex(bool usb) {
 
 GObjectPtr<ArvCamera> connect_sensor(const std::string& uri) {
   const bool usb = uri.starts_with("u3v://");
-  const std::string_view place = std::string_view(uri).substr(6);
+  // The double is a program of its own, so that the whole way through the network is the sensor's.
+  const bool simulated = uri == "sim:gev";
+  const std::string_view place = simulated ? "127.0.0.1" : std::string_view(uri).substr(6);
   std::string id(place);
   ArvInterface* interface = usb ? arv_uv_interface_get_instance() : arv_gv_interface_get_instance();
   const std::lock_guard lock(sensor_list_mutex(usb));
@@ -50,7 +52,8 @@ GObjectPtr<ArvCamera> connect_sensor(const std::string& uri) {
                                       : nullptr);
   if (!camera) {
     throw SensorError(uri + ": cannot be opened" +
-                      (error ? std::string(" (") + error.message() + ")" : std::string()));
+                      (error ? std::string(" (") + error.message() + ")" : std::string()) +
+                      (simulated ? "; start it first: gvsim --scenes DIR" : ""));
   }
   return camera;
 }

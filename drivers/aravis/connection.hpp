@@ -8,7 +8,8 @@
 
 namespace binpick::drivers {
 
-// gev://ADDRESS, gev://serial/NUMBER, u3v://serial/NUMBER. Throws SensorError that names the URI.
+// gev://ADDRESS, gev://serial/NUMBER, u3v://serial/NUMBER, sim:gev. Throws SensorError that names
+// the URI.
 GObjectPtr<ArvCamera> connect_sensor(const std::string& uri);
 
 // Aravis' lists of sensors on the network and on the USB bus: one user at a time each.

@@ -81,6 +81,13 @@ class CaptureTest(unittest.TestCase):
         self.assertIn("what:ever: expected gev://", run.stderr)
         self.assertFalse(self.out.exists())
 
+    def test_a_simulated_sensor_needs_no_address(self):
+        info = binpick("sensor-info", "sim:gev", "--seconds", 0)
+        if info.returncode != 0:  # else somebody has started one
+            self.assertEqual(info.returncode, 1)
+            self.assertIn("start it first: gvsim", info.stderr)
+        self.assertEqual(binpick("sensor-info", "replay:here").returncode, 2)
+
     def test_a_simulated_sensor_is_shown_and_captured(self):
         sim = subprocess.Popen([GVSIM, "--bind", address(), "--scenes", BIN, "--scene", "1"],
                                stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
