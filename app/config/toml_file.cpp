@@ -1,6 +1,6 @@
 #include "config/toml_file.hpp"
 
-// The parser is large: this is the only file that includes it.
+// The parser is large: this file and the sensor profiles' reader alone include it, alike.
 #define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>
 

@@ -1,5 +1,8 @@
 #include "sensor/sensor_profile_file.hpp"
 
+// As everywhere: with exceptions here and without them elsewhere the program would hold two halves
+// of two parsers.
+#define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -175,13 +178,13 @@ class ProfileReader {
 }  // namespace
 
 SensorProfile load_sensor_profile(const std::string& path) {
-  try {
-    const toml::table root = toml::parse_file(path);
-    return ProfileReader(path).read(root);
-  } catch (const toml::parse_error& e) {
+  const toml::parse_result parsed = toml::parse_file(path);
+  if (!parsed) {
+    const toml::parse_error& e = parsed.error();
     throw SetupError(path + ":" + std::to_string(e.source().begin.line) + ": " +
                      std::string(e.description()));
   }
+  return ProfileReader(path).read(parsed.table());
 }
 
 std::vector<SensorProfile> load_sensor_profiles(const std::string& folder) {

@@ -107,6 +107,22 @@ class CaptureTest(unittest.TestCase):
             sim.kill()
             sim.communicate()
 
+    def test_a_sensor_of_a_known_make_is_served_by_its_profile(self):
+        sim = subprocess.Popen([GVSIM, "--bind", address(), "--scenes", BIN, "--scene", "1",
+                                "--vendor", "Basler", "--model", "blaze-101",
+                                "--payload", "mono16"],
+                               stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        try:
+            self.assertIn("ready", sim.stdout.readline())
+            run = binpick("capture", "--sensor", f"gev://{address()}", "-n", 2, "-o", self.out,
+                          "--no-packet-socket")
+            self.assertIn("profile basler-blaze", run.stderr)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertIn("2 of 2 frames", run.stdout)
+        finally:
+            sim.kill()
+            sim.communicate()
+
     @unittest.skipUnless(shutil.which("umockdev-wrapper"), "umockdev is not installed")
     def test_a_simulated_usb_sensor_is_listed_and_captured(self):
         sim = subprocess.Popen([U3VSIM, "--scenes", BIN, "--scene", "1", "--serial", "U1"],
