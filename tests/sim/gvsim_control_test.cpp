@@ -72,7 +72,9 @@ TEST_F(GvsimControl, SaysWhatIsWrongWithAnAccess) {
   EXPECT_EQ(host_.write(kPrivilege, 2), kOk);
   EXPECT_EQ(host_.read_status(0x0a02), kBadAlignment);
   EXPECT_EQ(host_.read_status(0x9000000), kInvalidAddress);
-  EXPECT_EQ(host_.write(0x10000, 5), kWriteProtect);       // width
+  EXPECT_EQ(host_.write(0x10060, 5), kWriteProtect);       // the sensor's width
+  EXPECT_EQ(host_.write(0x10000, 0), kInvalidParameter);   // the region's
+  EXPECT_EQ(host_.write(0x10008, 1), kInvalidParameter);   // offset, with the whole width
   EXPECT_EQ(host_.write(0x10018, 2), kInvalidParameter);   // trigger mode
   EXPECT_EQ(host_.write(0x10120, 77), kInvalidParameter);  // pixel format
   EXPECT_EQ(host_.write(0x0d04, 100), kInvalidParameter);  // packet size
@@ -85,6 +87,7 @@ TEST_F(GvsimControl, SaysWhatIsWrongWithAnAccess) {
 TEST_F(GvsimControl, FormatsStayWhileFramesAreAcquired) {
   host_.start(576);
   EXPECT_EQ(host_.write(0x10124, 0x01100007), kBusy);
+  EXPECT_EQ(host_.write(0x10000, 640), kBusy);
   EXPECT_EQ(host_.write(0x10030, 1), kOk);  // stop
   EXPECT_EQ(host_.write(0x10124, 0x01100007), kOk);
 }
