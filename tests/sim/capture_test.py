@@ -107,21 +107,26 @@ class CaptureTest(unittest.TestCase):
             sim.kill()
             sim.communicate()
 
-    def test_a_sensor_of_a_known_make_is_served_by_its_profile(self):
-        sim = subprocess.Popen([GVSIM, "--bind", address(), "--scenes", BIN, "--scene", "1",
-                                "--vendor", "Basler", "--model", "blaze-101",
-                                "--payload", "mono16"],
-                               stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        try:
-            self.assertIn("ready", sim.stdout.readline())
-            run = binpick("capture", "--sensor", f"gev://{address()}", "-n", 2, "-o", self.out,
-                          "--no-packet-socket")
-            self.assertIn("profile basler-blaze", run.stderr)
-            self.assertEqual(run.returncode, 0, run.stderr)
-            self.assertIn("2 of 2 frames", run.stdout)
-        finally:
-            sim.kill()
-            sim.communicate()
+    def test_sensors_of_known_makes_are_served_by_their_profiles(self):
+        for vendor, model, payload, trigger, profile in (
+                ("Basler", "blaze-101", "mono16", "software", "basler-blaze"),
+                ("Lucid Vision Labs", "HLT003S-001", "abcy16", "software", "lucid-helios2"),
+                ("Roboception GmbH", "rc_visard 65", "disparity", "free",
+                 "roboception-rc-visard")):
+            sim = subprocess.Popen([GVSIM, "--bind", address(), "--scenes", BIN, "--scene", "1",
+                                    "--vendor", vendor, "--model", model, "--payload", payload],
+                                   stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+            try:
+                self.assertIn("ready", sim.stdout.readline())
+                run = binpick("capture", "--sensor", f"gev://{address()}", "-n", 2,
+                              "-o", self.out / profile, "--trigger", trigger,
+                              "--no-packet-socket")
+                self.assertIn("profile " + profile, run.stderr)
+                self.assertEqual(run.returncode, 0, run.stderr)
+                self.assertIn("2 of 2 frames", run.stdout)
+            finally:
+                sim.kill()
+                sim.communicate()
 
     @unittest.skipUnless(shutil.which("umockdev-wrapper"), "umockdev is not installed")
     def test_a_simulated_usb_sensor_is_listed_and_captured(self):

@@ -35,6 +35,7 @@ enum FeatureAddress : std::uint64_t {
   kTriggersMissed = 0x1005c,  // a vendor's feature: triggers that came while a frame was pending
   kSensorWidth = 0x10060,
   kSensorHeight = 0x10064,
+  kMultiPartMode = 0x10068,  // of rc_visard: which components come in one block
 
   kAcquisitionFrameRate = 0x10080,
   kExposureTime = 0x10088,

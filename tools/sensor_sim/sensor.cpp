@@ -28,7 +28,8 @@ constexpr std::uint64_t kRamFeatures[] = {kComponentSelector,
                                           kWidth,
                                           kHeight,
                                           kOffsetX,
-                                          kOffsetY};
+                                          kOffsetY,
+                                          kMultiPartMode};
 constexpr std::uint64_t kRamFloats[] = {kAcquisitionFrameRate, kExposureTime, kGain};
 
 // fy / fx such that fx times it is fy to the last bit, where there is such a number.
@@ -60,6 +61,7 @@ std::uint32_t selector_limit(std::uint64_t address) {
     case kTriggerActivation:
     case kExposureAuto:
     case kTLParamsLocked:
+    case kMultiPartMode:
       return 2;
     case kTriggerSource:
     case kAcquisitionMode:

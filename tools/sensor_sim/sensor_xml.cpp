@@ -121,6 +121,13 @@ void add_scan3d(XmlBuilder& xml) {
               {"Scan3dCoordinateScale", "Scan3dCoordinateOffset", "Scan3dInvalidDataFlag",
                "Scan3dInvalidDataValue", "Scan3dAxisMin", "Scan3dAxisMax"});
   xml.floating("Scan3dFocalLength", at(kFocalLength), kRo, "px");
+  // As Helios2 names them; and how rc_visard is told to send the components of a moment together,
+  // as this sensor does in any case.
+  xml.floating("CalibFocalLengthX", at(kFocalLength), kRo, "px");
+  xml.floating("CalibOpticalCenterX", at(kPrincipalPointU), kRo, "px");
+  xml.floating("CalibOpticalCenterY", at(kPrincipalPointV), kRo, "px");
+  xml.enumeration("AcquisitionMultiPartMode", at(kMultiPartMode), kRw,
+                  {{"SingleComponent", 0}, {"SynchronizedComponents", 1}});
   xml.floating("Scan3dAspectRatio", at(kAspectRatio), kRo);
   xml.floating("Scan3dPrincipalPointU", at(kPrincipalPointU), kRo, "px");
   xml.floating("Scan3dPrincipalPointV", at(kPrincipalPointV), kRo, "px");
