@@ -49,7 +49,7 @@ TEST(ConfigDocumentation, NamesEveryKeyExactlyAndItsDefault) {
   std::vector<ConfigFault> faults;
   const Config config = read_config_text(text_of(main), main, faults);
   for (const ConfigFault& fault : faults) EXPECT_THAT(fault.message, HasSubstr("must "));
-  const ConfigChanges changes = compare(Config{}, config);
+  const ConfigChanges changes = compare(Config{}, config, {});
   EXPECT_THAT(changes.live, IsEmpty());
   EXPECT_THAT(changes.restart, IsEmpty());
 
@@ -59,8 +59,8 @@ TEST(ConfigDocumentation, NamesEveryKeyExactlyAndItsDefault) {
   Config documented, defaults;
   documented.recipes = {read_recipe_text(text_of(recipe_file), recipe_file, faults)};
   defaults.recipes = {RecipeConfig{}};
-  EXPECT_THAT(compare(defaults, documented).live, IsEmpty());
-  EXPECT_THAT(compare(defaults, documented).restart, IsEmpty());
+  EXPECT_THAT(compare(defaults, documented, {}).live, IsEmpty());
+  EXPECT_THAT(compare(defaults, documented, {}).restart, IsEmpty());
 }
 
 TEST(Config, ReadsEachKind) {
@@ -194,9 +194,31 @@ TEST(ConfigChanges, KnowsWhatNeedsARestart) {
   b.sensor.width_max = 640;
   b.recipes[0].min_score = 0.6;
   b.recipes[0].number = 2;
-  const ConfigChanges changes = compare(a, b);
+  const ConfigChanges changes = compare(a, b, {});
   EXPECT_THAT(changes.live, ElementsAre("station.deadline_ms", "recipe 0: min_score"));
   EXPECT_THAT(changes.restart, ElementsAre("sensor.width_max", "recipe 0: number"));
+}
+
+TEST(Config, ARegionIsLiveAsFarAsTheMemoryGoes) {
+  constexpr ReloadLimits kLimits{640, 480, 320, 240};
+  Config a;
+  a.recipes.resize(1);
+  a.recipes[0].roi_px = {10, 10, 320, 240};
+  const auto live = [&](const std::array<double, 4>& roi_px) {
+    Config running = a, wanted = a;
+    wanted.recipes[0].roi_px = roi_px;
+    const ConfigChanges changes = compare(running, wanted, kLimits);
+    take_live_values(running, wanted, kLimits);
+    const bool taken = running.recipes[0].roi_px == roi_px;
+    EXPECT_THAT(taken ? changes.live : changes.restart, ElementsAre("recipe 0: roi_px"));
+    EXPECT_THAT(taken ? changes.restart : changes.live, IsEmpty());
+    return taken;
+  };
+  EXPECT_TRUE(live({200, 100, 320, 240}));
+  EXPECT_TRUE(live({200, 100, 16, 16}));
+  EXPECT_FALSE(live({0, 0, 321, 240}));
+  EXPECT_FALSE(live({0, 0, 320, 241}));
+  EXPECT_FALSE(live({0, 0, 0, 0})) << "the whole image";
 }
 
 }  // namespace
