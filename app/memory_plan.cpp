@@ -1,7 +1,9 @@
 #include "memory_plan.hpp"
 
+#include <linux/capability.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -68,10 +70,17 @@ std::string shown(double bytes) {
   return text;
 }
 
+bool has_capability(int capability) {
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  __user_cap_data_struct data[_LINUX_CAPABILITY_U32S_3]{};
+  return syscall(SYS_capget, &header, data) == 0 &&
+         (data[capability / 32].effective >> (capability % 32) & 1u) != 0;
+}
+
 // Empty: the system allows it to be locked. Without a limit for those who may lock what they want.
 std::string lacks_locked_memory(const MemoryPlan& plan) {
   rlimit limit{};
-  if (geteuid() == 0 || getrlimit(RLIMIT_MEMLOCK, &limit) != 0) return "";
+  if (has_capability(CAP_IPC_LOCK) || getrlimit(RLIMIT_MEMLOCK, &limit) != 0) return "";
   const auto total = static_cast<double>(plan.bytes_total());
   if (limit.rlim_cur == RLIM_INFINITY || total <= static_cast<double>(limit.rlim_cur)) return "";
   return "memory.lock: the plan needs " + shown(total) + " of locked memory, the system allows " +

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "config/config_file.hpp"
+#include "config/config_writer.hpp"
 #include "temporary_folder.hpp"
 
 namespace binpick::app {
@@ -197,6 +198,30 @@ TEST(ConfigChanges, KnowsWhatNeedsARestart) {
   const ConfigChanges changes = compare(a, b, {});
   EXPECT_THAT(changes.live, ElementsAre("station.deadline_ms", "recipe 0: min_score"));
   EXPECT_THAT(changes.restart, ElementsAre("sensor.width_max", "recipe 0: number"));
+}
+
+TEST(Config, ComesBackAsItWasWritten) {
+  Config a;
+  a.sensor.uri = "replay:a \"quoted\" \\ name\twith\x7F more";
+  a.sensor.gain = 0.1;
+  a.station.recipes = {"one.toml", "/two.toml"};
+  a.station.T_base_cam.position_mm = {1, -1e-9, 12345.678901234567};
+  a.station.ranking = Ranking::kHighBase;
+  a.modbus.allow = {"10.0.0.0/8"};
+  a.modbus.encoding.word_order = modbus::map::WordOrder::kDcba;
+  a.threads.cpus = {0, 3};
+  a.recorder.mode = RecordMode::kAlways;
+  a.recipes.resize(1);
+  a.recipes[0].number = 65535;
+  a.recipes[0].models = {"a.bpm", "b.bpm"};
+  a.recipes[0].roi_px = {1, 2, 300, 400};
+  std::vector<ConfigFault> faults;
+  Config b = read_config_text(written_config(a), "a", faults);
+  b.recipes = {read_recipe_text(written_recipe(a.recipes[0]), "r", faults)};
+  for (const ConfigFault& fault : faults) ADD_FAILURE() << fault.text();
+  const ConfigChanges changes = compare(a, b, {});
+  EXPECT_THAT(changes.live, IsEmpty());
+  EXPECT_THAT(changes.restart, IsEmpty());
 }
 
 TEST(Config, ARegionIsLiveAsFarAsTheMemoryGoes) {

@@ -40,6 +40,10 @@ class Listener final : public StationSink {
     const std::lock_guard lock(mutex_);
     return last_;
   }
+  StationStatus status() const {
+    const std::lock_guard lock(mutex_);
+    return status_;
+  }
   std::size_t picks() const {
     const std::lock_guard lock(mutex_);
     return picks_;
@@ -87,6 +91,26 @@ TEST(Station, AnswersEachOrderOnce) {
   }
   std::this_thread::sleep_for(50ms);
   EXPECT_EQ(5, s.listener.count());
+}
+
+// Of those that wait only the newest is taken; it says that there was another one.
+TEST(Station, TellsThatAnOrderTookThePlaceOfAnother) {
+  RunningStation s;
+  s.config.sensor.frame_deadline_ms = 2000;
+  s.source.wait_for_deadline = true;  // the first order takes so long
+  s.start();
+  ASSERT_TRUE(s.offer(OrderCode::kDetect));
+  while (!s.station->status().busy) std::this_thread::sleep_for(1ms);
+  ASSERT_TRUE(s.offer(OrderCode::kDetect));
+  ASSERT_TRUE(s.offer(OrderCode::kNextPage));
+  ASSERT_TRUE(s.listener.wait_count(2));
+  EXPECT_EQ(3u, s.listener.last().order.sequence);
+  EXPECT_TRUE(s.listener.status().order_replaced_one);
+  EXPECT_EQ(1u, s.listener.status().orders_replaced);
+  ASSERT_TRUE(s.offer(OrderCode::kNone));
+  ASSERT_TRUE(s.listener.wait_count(3));
+  EXPECT_FALSE(s.listener.status().order_replaced_one);
+  EXPECT_EQ(1u, s.listener.status().orders_replaced);
 }
 
 TEST(Station, RunsFreelyUntilItIsStopped) {
