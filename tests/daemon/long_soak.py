@@ -25,7 +25,7 @@ import station_process as sp
 OWN = ("binpickd", "cycle", "worker-1", "modbus", "modbus-link", "sensor", "recorder", "log",
        "metrics")
 # The pile's middle: a detection of tens of milliseconds, in frames with tees and without.
-ROI_PX = [500, 390, 280, 240]
+ROI_PX = [540, 420, 200, 180]
 WARM_CYCLES = 100
 RESIDENT_GROWTH_KIB_MAX = 1024
 

@@ -93,8 +93,9 @@ class Station:
 
     def run(self, *arguments, under=()):
         """To its end; for what does not serve. `under`: a program that starts it."""
-        return subprocess.run([*under, self.daemon, "--config", f"{self.folder}/binpick.toml", *arguments],
-                              capture_output=True, text=True, timeout=120, check=False)
+        return subprocess.run(
+            [*under, self.daemon, "--config", f"{self.folder}/binpick.toml", *arguments],
+            capture_output=True, text=True, timeout=120, check=False)
 
     def start(self, watchdog_us=None, wait=True, under=()):
         environment = dict(os.environ, NOTIFY_SOCKET=self.manager.path)

@@ -123,9 +123,10 @@ class Operation(unittest.TestCase):
         self.addCleanup(plc.close)
         blocks = []
         for number, (code, recipe, page) in enumerate((
-                (sp.DETECT, 0, 0), (sp.NEXT_PAGE, 0, 0), (sp.TURN_PAGE, 0, 1), (sp.TURN_PAGE, 0, 99),
-                (sp.SELECT_RECIPE, 5, 0), (sp.DETECT, 0, 0), (sp.SELECT_RECIPE, 77, 0),
-                (sp.CAPTURE, 0, 0), (sp.SELECT_RECIPE, 1, 0), (sp.PROCESS, 0, 0),
+                (sp.DETECT, 0, 0), (sp.NEXT_PAGE, 0, 0), (sp.TURN_PAGE, 0, 1),
+                (sp.TURN_PAGE, 0, 99), (sp.SELECT_RECIPE, 5, 0), (sp.DETECT, 0, 0),
+                (sp.SELECT_RECIPE, 77, 0), (sp.CAPTURE, 0, 0), (sp.SELECT_RECIPE, 1, 0),
+                (sp.PROCESS, 0, 0),
                 (sp.NEXT_PAGE, 0, 0), (sp.CLEAR_FAULT, 0, 0), (sp.FLUSH, 0, 0),
                 (sp.PROCESS, 0, 0)), 1):
             # With a heartbeat, and with what no command of this kind needs.
@@ -178,11 +179,13 @@ class Operation(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stdout)
             self.assertIn(f"not comparable: cycle {cut}: cut_short\n", done.stdout)
             self.assertIn(f"not comparable: cycle {cut}, page: what came before it", done.stdout)
-            self.assertRegex(done.stdout, r"(?m)^\d+ answers the same, 0 differ, \d+ not comparable$")
+            self.assertRegex(done.stdout,
+                             r"(?m)^\d+ answers the same, 0 differ, \d+ not comparable$")
 
     def test_what_is_in_effect_is_recorded_whatever_the_files_say(self):
         station = self.start('mode = "always"')
-        station.write("binpick.toml", station.main.replace("[station]", "[station]\npicks_max = 32"))
+        station.write("binpick.toml",
+                      station.main.replace("[station]", "[station]\npicks_max = 32"))
         station.write("tee.toml", Path(station.folder, "tee.toml").read_text() + "picks_max = 1\n")
         station.process.send_signal(signal.SIGHUP)
         station.wait_log("needs a restart: station.picks_max")
