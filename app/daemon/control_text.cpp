@@ -133,6 +133,8 @@ std::string result_json(const CycleResult& r) {
                {"pose_frame", r.pose_frame == PoseFrame::kBase ? "base" : "camera"}};
   if (r.error.code != ErrorCode::kNone) json["error"] = error_message(r.error.code);
   json["times_ms"] = times_json(r.times);
+  for (int i = 0; i < kStageCount; ++i)
+    json["stages_ms"][stage_name(static_cast<Stage>(i))] = r.stage_ms[static_cast<std::size_t>(i)];
   for (int i = 0; i < kDropReasonCount; ++i)
     json["dropped"][drop_reason_name(static_cast<DropReason>(i))] =
         r.dropped[static_cast<std::size_t>(i)];

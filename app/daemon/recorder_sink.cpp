@@ -1,6 +1,7 @@
 #include "daemon/recorder_sink.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 
@@ -83,11 +84,15 @@ void RecorderSink::on_result(const CycleResult& result, const StationStatus& sta
   }
   const modbus::CommandRegisters command = command_registers(result.order, encoding_);
   const CycleTimes& t = result.times;
-  const RecordedTime times[] = {{"wait", t.wait_ms},
-                                {"grab", t.grab_ms},
-                                {"detect", t.detect_ms},
-                                {"rank", t.rank_ms},
-                                {"total", t.total_ms}};
+  constexpr int kTimes = 5;
+  std::array<RecordedTime, kTimes + kStageCount> times = {{{"wait", t.wait_ms},
+                                                           {"grab", t.grab_ms},
+                                                           {"detect", t.detect_ms},
+                                                           {"rank", t.rank_ms},
+                                                           {"total", t.total_ms}}};
+  static_assert(times.size() <= KeptRecord::kTimesMax);
+  for (std::size_t i = 0; i < kStageCount; ++i)
+    times[kTimes + i] = {stage_name(static_cast<Stage>(i)), result.stage_ms[i]};
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   CycleRecord record;
   record.cycle = result.cycle;

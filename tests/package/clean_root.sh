@@ -79,6 +79,6 @@ recording=$(in_root sh -c 'ls -d /var/lib/binpick/recordings/*' | head -n 1)
 as_station binpick replay "$recording"
 step "served and stopped"
 
-in_root apt-get -qq purge --yes binpick >/dev/null
+in_root apt-get -qq -o Dpkg::Use-Pty=0 purge --yes binpick >/dev/null
 in_root sh -c 'test ! -e /usr/bin/binpickd && test ! -e /var/lib/binpick/recordings'
 step "purged"
