@@ -182,10 +182,10 @@ TEST(ConfigFiles, RefusesWhatDoesNotFitTogether) {
   f.write("binpick.toml", std::string(kTwoRecipes) + "station.recipe = 9\n");
   f.write("a.toml", "number = 1\nmodels = ['m']\nroi_px = [1000, 0, 300, 200]\n");
   f.write("b.toml", "number = 1\nmodels = ['m']\npicks_max = 65\n");
-  EXPECT_THAT(f.error(), HasSubstr("a.toml: roi_px: reaches beyond"));
-  EXPECT_THAT(f.error(), HasSubstr("b.toml: number: is that of "));
-  EXPECT_THAT(f.error(), HasSubstr("b.toml: picks_max: is more than"));
-  EXPECT_THAT(f.error(), HasSubstr("station.recipe: no recipe has the number 9"));
+  EXPECT_THAT(f.error(), HasSubstr("a.toml:3:1: roi_px: reaches beyond"));
+  EXPECT_THAT(f.error(), HasSubstr("b.toml:1:1: number: is that of "));
+  EXPECT_THAT(f.error(), HasSubstr("b.toml:3:1: picks_max: is more than"));
+  EXPECT_THAT(f.error(), HasSubstr("binpick.toml:3:9: station.recipe: no recipe has the number 9"));
 }
 
 TEST(ConfigChanges, KnowsWhatNeedsARestart) {
