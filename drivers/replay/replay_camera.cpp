@@ -20,11 +20,14 @@ using Clock = std::chrono::steady_clock;
 
 // Decoded frames that wait: enough for a decoder that is interrupted now and then.
 constexpr std::size_t kAheadMax = 3;
+// The reader looks so often whether a frame was taken. It is not woken for that: who took the frame
+// is about to compute, and would wait for its processor until the reader's work is done.
+constexpr std::chrono::milliseconds kReaderPeriod{10};
 // Where the recording has no times.
 constexpr double kFrameRate_hz = 10;
 
 struct DecodedFrame {
-  std::optional<LoadedFrame> loaded;  // nothing: the file cannot be read
+  std::optional<LoadedFrame> loaded;  // nothing: the file cannot be read, or it was filled
   std::int64_t device_ns = 0;
   std::uint64_t sequence = 0;  // from 1, over all rounds
   FrameRef filled;             // the same, in the pool; empty: it had no room yet
@@ -134,8 +137,11 @@ void ReplayCamera::read_ahead() {
   const auto more = [&] { return spec_.loop || index < frames_.size(); };
   std::unique_lock lock(mutex_);
   for (;;) {
-    changed_.wait(lock,
-                  [&] { return end_ || wants_filling() || (more() && ahead_.size() < kAheadMax); });
+    const auto has_work = [&] {
+      return end_ || wants_filling() || (more() && ahead_.size() < kAheadMax);
+    };
+    while (!changed_.wait_for(lock, kReaderPeriod, has_work)) {
+    }
     if (end_) return;
     if (wants_filling()) {
       DecodedFrame& first = ahead_.front();  // nobody takes it meanwhile
@@ -186,6 +192,7 @@ Result<FrameRef> ReplayCamera::wait_frame(TimePoint deadline) {
   DecodedFrame decoded;
   {
     std::unique_lock lock(mutex_);
+    if (ahead_.empty()) changed_.notify_all();
     if (!changed_.wait_until(lock, deadline,
                              [&] { return !filling_ && (!ahead_.empty() || read_all_); }))
       return Error{ErrorCode::kSensorTimeout, 0, "recording"};
@@ -203,7 +210,6 @@ Result<FrameRef> ReplayCamera::wait_frame(TimePoint deadline) {
     decoded = std::move(ahead_.front());
     ahead_.pop_front();
   }
-  changed_.notify_all();
   triggers_ = 0;
   return hand_on(std::move(decoded));
 }
@@ -225,13 +231,16 @@ void ReplayCamera::fill(DecodedFrame& decoded) {
   slot.frame.device_ns = decoded.device_ns;
   slot.frame.sequence = decoded.sequence;
   decoded.filled = std::move(ref);
+  decoded.loaded.reset();  // so that what is held does not depend on who is how fast
 }
 
 Result<FrameRef> ReplayCamera::hand_on(DecodedFrame decoded) {
-  if (!decoded.loaded) return drop(DropReason::kIncomplete);
-  const Frame view = decoded.loaded->view();
-  if (!pool_->fits(view.camera.width, view.camera.height)) return drop(DropReason::kSize);
-  if (!decoded.filled) fill(decoded);
+  if (!decoded.filled) {
+    if (!decoded.loaded) return drop(DropReason::kIncomplete);
+    const Frame view = decoded.loaded->view();
+    if (!pool_->fits(view.camera.width, view.camera.height)) return drop(DropReason::kSize);
+    fill(decoded);
+  }
   if (!decoded.filled) return drop(DropReason::kPoolEmpty);
   decoded.filled.slot().frame.capture_ns = steady_ns();
   const std::lock_guard lock(mutex_);
