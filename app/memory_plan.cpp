@@ -1,7 +1,9 @@
 #include "memory_plan.hpp"
 
+#include <linux/capability.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -60,6 +62,29 @@ void add_operation(const Config& config, MemoryPlan& plan) {
     plan.lines.push_back({"metrics", "answers to those who ask", 1,
                           MetricsServer::footprint(MetricsSink().registry())});
   plan.lines.push_back({"log", "lines to be written", 1, Log::footprint(), Place::kHeap});
+}
+
+std::string shown(double bytes) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f MiB", bytes / kMiB);
+  return text;
+}
+
+bool has_capability(int capability) {
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  __user_cap_data_struct data[_LINUX_CAPABILITY_U32S_3]{};
+  return syscall(SYS_capget, &header, data) == 0 &&
+         (data[capability / 32].effective >> (capability % 32) & 1u) != 0;
+}
+
+// Empty: the system allows it to be locked. Without a limit for those who may lock what they want.
+std::string lacks_locked_memory(const MemoryPlan& plan) {
+  rlimit limit{};
+  if (has_capability(CAP_IPC_LOCK) || getrlimit(RLIMIT_MEMLOCK, &limit) != 0) return "";
+  const auto total = static_cast<double>(plan.bytes_total());
+  if (limit.rlim_cur == RLIM_INFINITY || total <= static_cast<double>(limit.rlim_cur)) return "";
+  return "memory.lock: the plan needs " + shown(total) + " of locked memory, the system allows " +
+         shown(static_cast<double>(limit.rlim_cur)) + " (LimitMEMLOCK=, ulimit -l)";
 }
 
 // Threads of the parts that watch: log, and as configured recorder and metrics.
@@ -141,29 +166,26 @@ MemoryPlan make_memory_plan(const Config& config, const RecipeSet& recipes) {
 }
 
 void check_memory_plan(const MemoryPlan& plan, const MemoryConfig& config) {
-  const auto shown = [](double bytes) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.1f MiB", bytes / kMiB);
-    return std::string(text);
-  };
   const auto total = static_cast<double>(plan.bytes_total());
   if (total > config.mib_max * kMiB)
     throw SetupError("the plan needs " + shown(total) + ", memory.mib_max allows " +
                      std::to_string(config.mib_max) + " MiB (see binpickd --plan)");
-  rlimit limit{};
-  if (!config.lock || geteuid() == 0 || getrlimit(RLIMIT_MEMLOCK, &limit) != 0) return;
-  if (limit.rlim_cur != RLIM_INFINITY && total > static_cast<double>(limit.rlim_cur))
-    throw SetupError("memory.lock: the plan needs " + shown(total) + " of locked memory, the " +
-                     "system allows " + shown(static_cast<double>(limit.rlim_cur)) +
-                     " (LimitMEMLOCK=, ulimit -l)");
+  const std::string lacking = lacks_locked_memory(plan);
+  if (config.lock && config.lock_required && !lacking.empty()) throw SetupError(lacking);
 }
 
-void lock_memory() {
+std::string lock_memory(const MemoryPlan& plan, const MemoryConfig& config) {
+  if (!config.lock) return "";
+  // Not tried where it would not last: with MCL_FUTURE what goes beyond the limit is not had at
+  // all.
+  std::string refused = lacks_locked_memory(plan);
   // A page is locked once it is touched: the arena's are from its start on, those of libraries and
   // stacks that nobody uses are not fetched for nothing.
-  if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0)
-    throw SetupError(std::string("memory.lock: the pages cannot be locked: ") +
-                     std::strerror(errno) + " (LimitMEMLOCK=infinity or CAP_IPC_LOCK)");
+  if (refused.empty() && mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0)
+    refused = std::string("memory.lock: the pages cannot be locked: ") + std::strerror(errno) +
+              " (LimitMEMLOCK=infinity or CAP_IPC_LOCK)";
+  if (config.lock_required && !refused.empty()) throw SetupError(refused);
+  return refused;
 }
 
 }  // namespace binpick::app

@@ -38,11 +38,13 @@ int worker_count(const Config& config);
 
 MemoryPlan make_memory_plan(const Config& config, const RecipeSet& recipes);
 
-// Throws SetupError with the sums where the plan is larger than what the configuration or, with
-// memory.lock, the system allows.
+// Throws SetupError with the sums where the plan is larger than what the configuration allows or,
+// where memory is to be locked and has to be, the system.
 void check_memory_plan(const MemoryPlan& plan, const MemoryConfig& config);
 
-// Locks all pages that the process has touched, and each that it comes to touch. Throws SetupError.
-void lock_memory();
+// Locks all pages that the process has touched, and each that it comes to touch, if the
+// configuration wants it. Returns why nothing is locked though it is wanted; throws SetupError
+// instead if it has to be. Empty: all is as wanted.
+std::string lock_memory(const MemoryPlan& plan, const MemoryConfig& config);
 
 }  // namespace binpick::app

@@ -1,6 +1,9 @@
 #include "thread_pool.hpp"
 
+#include <pthread.h>
+
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -69,6 +72,9 @@ void ThreadPool::run(int count, TaskFn fn, void* context) {
 }
 
 void ThreadPool::work(int thread) {
+  char name[16];
+  std::snprintf(name, sizeof name, "worker-%d", thread);
+  pthread_setname_np(pthread_self(), name);
   std::uint64_t job_seen = 0;
   std::unique_lock lock(mutex_);
   for (;;) {

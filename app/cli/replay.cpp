@@ -4,6 +4,8 @@
 #include <cinttypes>
 #include <cstdio>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "cli/commands.hpp"
 #include "config/config_file.hpp"
@@ -20,8 +22,16 @@ struct ReplayArguments {
 };
 
 struct ReplayCounts {
-  int same = 0, differ = 0, not_compared = 0;
+  int same = 0, differ = 0;
+  std::vector<std::string> not_compared;  // which, and why
 };
+
+// "cycle 12", or "cycle 12, next_page" for what is none of its own.
+std::string name_of(const RecordedCycle& cycle) {
+  const std::string& order = cycle.order;
+  const bool own = order.empty() || order == "detect" || order == "capture" || order == "process";
+  return "cycle " + std::to_string(cycle.cycle) + (own ? "" : ", " + order);
+}
 
 // A model that is another file now is a reason for what differs.
 void tell_other_models(const Recording& recording, const RecipeSet& recipes) {
@@ -38,9 +48,8 @@ void tell_other_models(const Recording& recording, const RecipeSet& recipes) {
 void print_differences(const RecordedCycle& cycle,
                        const std::vector<RegisterDifference>& differences) {
   for (const RegisterDifference& d : differences)
-    std::printf("cycle %" PRIu64 ": %s: 0x%04" PRIX32 " was recorded, 0x%04" PRIX32
-                " is replayed\n",
-                cycle.cycle, d.name, d.recorded, d.replayed);
+    std::printf("%s: %s: 0x%04" PRIX32 " was recorded, 0x%04" PRIX32 " is replayed\n",
+                name_of(cycle).c_str(), d.name, d.recorded, d.replayed);
 }
 
 int run(const ReplayArguments& arguments) {
@@ -53,19 +62,19 @@ int run(const ReplayArguments& arguments) {
     std::fprintf(stderr, "binpick: warning: the recording's last line is cut off\n");
   ReplayCounts counts;
   for (const RecordedCycle& cycle : recording.cycles) {
-    const auto answer = replay.run(cycle);
-    if (!answer) {
-      ++counts.not_compared;
-      if (!arguments.quiet)
-        std::printf("cycle %" PRIu64 ": not compared: %s\n", cycle.cycle, cause_name(cycle.cause));
+    const StationReplay::Answer answer = replay.run(cycle);
+    if (answer.not_comparable != nullptr) {
+      counts.not_compared.push_back(name_of(cycle) + ": " + answer.not_comparable);
       continue;
     }
-    const std::vector<RegisterDifference> found = differences(cycle.answer, *answer);
+    const std::vector<RegisterDifference> found = differences(cycle.answer, answer.registers);
     ++(found.empty() ? counts.same : counts.differ);
     if (!arguments.quiet) print_differences(cycle, found);
   }
-  std::printf("%d cycles the same, %d differ, %d not compared\n", counts.same, counts.differ,
-              counts.not_compared);
+  for (const std::string& text : counts.not_compared)
+    std::printf("not comparable: %s\n", text.c_str());
+  std::printf("%d answers the same, %d differ, %zu not comparable\n", counts.same, counts.differ,
+              counts.not_compared.size());
   return counts.differ == 0 ? 0 : 1;
 }
 
@@ -80,7 +89,7 @@ void add_replay_command(CLI::App& app, int& exit_status) {
                       "Another configuration than the recording's own");
   command->add_option("--models", arguments->models,
                       "Where models are that are no longer where they were");
-  command->add_flag("--quiet", arguments->quiet, "Only the last line");
+  command->add_flag("--quiet", arguments->quiet, "Not each register that differs");
   command->callback([arguments, &exit_status] { exit_status = run(*arguments); });
 }
 

@@ -81,6 +81,7 @@ struct ModbusConfig {
 struct MemoryConfig {
   int mib_max = 2048;
   bool lock = true;
+  bool lock_required = true;  // false: a station that may not lock runs without
 };
 
 enum class Scheduling : int { kOther = 0, kFifo, kRoundRobin };
@@ -91,6 +92,7 @@ struct ThreadsConfig {
   std::vector<int> cpus;  // of the cycle and its workers; empty: any
   Scheduling scheduling = Scheduling::kOther;
   int priority = 0;
+  bool required = false;  // true: a station that may not set cpus and scheduling does not start
   int stack_kib = 1024;
 };
 

@@ -57,13 +57,21 @@ std::vector<KeyWriter::Written> written(Part part) {
   return writer.keys;
 }
 
+// A region has the size of the region, none that of the image.
+bool region_fits(const RecipeConfig& recipe, const ReloadLimits& limits) {
+  const double width = recipe.roi_px[2] > 0 ? recipe.roi_px[2] : limits.image_width;
+  const double height = recipe.roi_px[3] > 0 ? recipe.roi_px[3] : limits.image_height;
+  return width <= limits.roi_width && height <= limits.roi_height;
+}
+
 template <class Part>
-void add_changes(const Part& running, const Part& wanted, const std::string& prefix,
+void add_changes(const Part& running, const Part& wanted, const std::string& prefix, bool fits,
                  ConfigChanges& changes) {
   const auto a = written(running), b = written(wanted);
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (a[i].value == b[i].value) continue;
-    const bool live = a[i].key.reload == Reload::kLive;
+    const Reload reload = a[i].key.reload;
+    const bool live = reload == Reload::kLive || (reload == Reload::kIfItFits && fits);
     (live ? changes.live : changes.restart).push_back(prefix + a[i].key.path);
   }
 }
@@ -123,18 +131,19 @@ std::vector<std::string> names_of() {
 
 }  // namespace
 
-ConfigChanges compare(const Config& running, const Config& wanted) {
+ConfigChanges compare(const Config& running, const Config& wanted, const ReloadLimits& limits) {
   ConfigChanges changes;
-  add_changes(running, wanted, "", changes);
+  add_changes(running, wanted, "", false, changes);
   if (running.recipes.size() != wanted.recipes.size()) return changes;  // station.recipes says it
   for (std::size_t i = 0; i < running.recipes.size(); ++i) {
     const std::string prefix = "recipe " + std::to_string(running.recipes[i].number) + ": ";
-    add_changes(running.recipes[i], wanted.recipes[i], prefix, changes);
+    add_changes(running.recipes[i], wanted.recipes[i], prefix,
+                region_fits(wanted.recipes[i], limits), changes);
   }
   return changes;
 }
 
-void take_live_values(Config& running, const Config& wanted) {
+void take_live_values(Config& running, const Config& wanted, const ReloadLimits& limits) {
   copy_live(running, wanted);
   const auto same_number = [](const RecipeConfig& a, const RecipeConfig& b) {
     return a.number == b.number;
@@ -142,8 +151,11 @@ void take_live_values(Config& running, const Config& wanted) {
   if (!std::equal(running.recipes.begin(), running.recipes.end(), wanted.recipes.begin(),
                   wanted.recipes.end(), same_number))
     return;
-  for (std::size_t i = 0; i < running.recipes.size(); ++i)
+  for (std::size_t i = 0; i < running.recipes.size(); ++i) {
     copy_live(running.recipes[i], wanted.recipes[i]);
+    if (region_fits(wanted.recipes[i], limits))
+      running.recipes[i].roi_px = wanted.recipes[i].roi_px;
+  }
 }
 
 std::vector<std::string> config_key_names() {

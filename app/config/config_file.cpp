@@ -70,9 +70,11 @@ void check_main(const Config& c, ConfigReader& reader) {
   check_addresses(c.modbus, reader);
   const bool real_time = c.threads.scheduling != Scheduling::kOther;
   if (real_time != (c.threads.priority > 0)) {
-    reader.fault("threads.priority", real_time
-                                         ? "must be at least 1 with threads.scheduling"
-                                         : "has no meaning with threads.scheduling = \"other\"");
+    const bool unset = real_time && !reader.wrote("threads.priority");
+    reader.fault(unset ? "threads.scheduling" : "threads.priority",
+                 unset       ? "needs threads.priority, 1 to 99"
+                 : real_time ? "must be at least 1 with threads.scheduling"
+                             : "has no meaning with threads.scheduling = \"other\"");
   }
   if (!isa_supported(c.threads.isa))
     reader.fault("threads.isa", "this processor does not have these instructions");
@@ -91,24 +93,26 @@ void check_recipe(const RecipeConfig& recipe, ConfigReader& reader) {
 
 // What only the files together show.
 void check_together(const Config& c, std::vector<ConfigFault>& faults) {
-  const auto fault = [&](const std::string& file, const std::string& message) {
-    faults.push_back({file, 0, 0, message});
+  // Where the key stands is read anew: only who has a fault pays for it.
+  const auto fault = [&](const std::string& file, const char* key, const std::string& message) {
+    const std::string text = read_text(file, faults).value_or("");
+    ConfigReader(text, file, faults).fault(key, message);
   };
   for (std::size_t i = 0; i < c.recipes.size(); ++i) {
     const RecipeConfig& recipe = c.recipes[i];
     for (std::size_t k = 0; k < i; ++k) {
       if (c.recipes[k].number == recipe.number)
-        fault(recipe.file, "number: is that of " + c.recipes[k].file + " too");
+        fault(recipe.file, "number", "is that of " + c.recipes[k].file + " too");
     }
     if (recipe.roi_px[0] + recipe.roi_px[2] > c.sensor.width_max ||
         recipe.roi_px[1] + recipe.roi_px[3] > c.sensor.height_max)
-      fault(recipe.file, "roi_px: reaches beyond sensor.width_max and sensor.height_max");
+      fault(recipe.file, "roi_px", "reaches beyond sensor.width_max and sensor.height_max");
     if (recipe.picks_max > c.station.picks_max)
-      fault(recipe.file, "picks_max: is more than station.picks_max");
+      fault(recipe.file, "picks_max", "is more than station.picks_max");
   }
   const auto has = [&](const RecipeConfig& recipe) { return recipe.number == c.station.recipe; };
   if (c.station.recipe != 0 && std::none_of(c.recipes.begin(), c.recipes.end(), has))
-    fault(c.file, "station.recipe: no recipe has the number " + std::to_string(c.station.recipe));
+    fault(c.file, "station.recipe", "no recipe has the number " + std::to_string(c.station.recipe));
 }
 
 }  // namespace

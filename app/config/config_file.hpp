@@ -24,16 +24,22 @@ Config read_config_text(std::string_view text, const std::string& file,
 RecipeConfig read_recipe_text(std::string_view text, const std::string& file,
                               std::vector<ConfigFault>& faults);
 
+// What the memory of a running station was taken for, px.
+struct ReloadLimits {
+  int image_width = 0, image_height = 0;
+  int roi_width = 0, roi_height = 0;  // the largest region that a recipe can have
+};
+
 // The keys in which two configurations differ, recipes as "recipe 3: roi_px"; in `restart` those
 // that a running station cannot take over, in `live` those that it can.
 struct ConfigChanges {
   std::vector<std::string> live, restart;
 };
-ConfigChanges compare(const Config& running, const Config& wanted);
+ConfigChanges compare(const Config& running, const Config& wanted, const ReloadLimits& limits);
 
 // Gives `running` the values of `wanted` that a running station can take over; recipes only where
 // both have the same numbers in the same order.
-void take_live_values(Config& running, const Config& wanted);
+void take_live_values(Config& running, const Config& wanted, const ReloadLimits& limits);
 
 // Every key of the main file, or of a recipe file, in order of the list.
 std::vector<std::string> config_key_names();

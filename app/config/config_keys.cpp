@@ -100,11 +100,13 @@ void visit_rest(Config& c, KeyVisitor& v) {
   static constexpr const char* kLevels[] = {"error", "warning", "info", "debug"};
   v.integer({"memory.mib_max"}, c.memory.mib_max, {16, 1 << 20});
   v.flag({"memory.lock"}, c.memory.lock);
+  v.flag({"memory.lock_required"}, c.memory.lock_required);
   v.integer({"threads.workers"}, c.threads.workers, {0, 256});
   choose(v, {"threads.isa"}, c.threads.isa, kIsas);
   v.integers({"threads.cpus"}, c.threads.cpus, {0, 1023});
   choose(v, {"threads.scheduling"}, c.threads.scheduling, kSchedulings);
   v.integer({"threads.priority"}, c.threads.priority, {0, 99});
+  v.flag({"threads.required"}, c.threads.required);
   v.integer({"threads.stack_kib"}, c.threads.stack_kib, {256, 65536});
   choose(v, {"logging.level", kLive}, c.logging.level, kLevels);
   choose(v, {"recorder.mode", kLive}, c.recorder.mode, kModes);
@@ -131,7 +133,7 @@ void visit_keys(RecipeConfig& recipe, KeyVisitor& v) {
   v.texts({"models"}, recipe.models);
   v.number({"min_score", kLive}, recipe.min_score, {0, 1});
   v.integer({"picks_max", kLive}, recipe.picks_max, {1, 256});
-  v.numbers({"roi_px"}, recipe.roi_px, {0, 8192});
+  v.numbers({"roi_px", Reload::kIfItFits}, recipe.roi_px, {0, 8192});
   v.numbers({"T_obj_pick_position_mm", kLive}, recipe.T_obj_pick.position_mm, kPosition);
   v.numbers({"T_obj_pick_rotation_deg", kLive}, recipe.T_obj_pick.rotation_deg, kAngle);
 }

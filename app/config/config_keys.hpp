@@ -10,7 +10,11 @@
 namespace binpick::app {
 
 // What it takes for a changed value to have an effect.
-enum class Reload { kLive, kRestart };
+enum class Reload {
+  kLive,
+  kIfItFits,  // live where the memory taken at start suffices
+  kRestart,
+};
 
 struct Key {
   const char* path;  // "station.deadline_ms"

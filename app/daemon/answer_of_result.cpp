@@ -51,6 +51,7 @@ void fill_answer(const CycleResult& result, modbus::AnswerSnapshot& answer) {
 }
 
 modbus::CommandRegisters command_registers(const Order& order, const modbus::Encoding& encoding) {
+  if (order.source == OrderSource::kPlc) return order.written;
   modbus::Command command;
   command.sequence = static_cast<std::uint16_t>(order.sequence);
   command.code = order.code;
@@ -84,6 +85,7 @@ Order order_of_command(const modbus::CommandRegisters& registers, const modbus::
   order.T_base_flange = command.T_base_flange.value_or(Pose{});
   order.received_ns = received_ns;
   order.refusal = command.refusal;
+  order.written = registers;
   return order;
 }
 

@@ -11,7 +11,8 @@ namespace binpick::app {
 // All but state, heartbeat, acknowledged and result sequence, which are the server's.
 void fill_answer(const CycleResult& result, modbus::AnswerSnapshot& answer);
 
-// The command registers that give this order; the heartbeat is 0.
+// The command registers that give this order: of the PLC as they were written, of others as a PLC
+// would write them, with a heartbeat of 0.
 modbus::CommandRegisters command_registers(const Order& order, const modbus::Encoding& encoding);
 
 // The other way; judged by what the registers themselves show.

@@ -68,14 +68,16 @@ ControlSocket::~ControlSocket() {
   unlink(path_.c_str());
 }
 
-void ControlSocket::add_descriptors(std::vector<pollfd>& descriptors) const {
-  if (listener_ >= 0) descriptors.push_back({listener_, POLLIN, 0});
+std::size_t ControlSocket::put_descriptors(std::span<pollfd, kDescriptorsMax> descriptors) const {
+  std::size_t count = 0;
+  if (listener_ >= 0) descriptors[count++] = {listener_, POLLIN, 0};
   for (const Client& client : clients_) {
-    if (client.descriptor >= 0) descriptors.push_back({client.descriptor, POLLIN, 0});
+    if (client.descriptor >= 0) descriptors[count++] = {client.descriptor, POLLIN, 0};
   }
+  return count;
 }
 
-void ControlSocket::handle(const std::vector<pollfd>& descriptors) {
+void ControlSocket::handle(std::span<const pollfd> descriptors) {
   for (const pollfd& d : descriptors) {
     if (d.revents == 0) continue;
     if (d.fd == listener_) {

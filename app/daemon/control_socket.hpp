@@ -8,8 +8,8 @@
 
 #include <array>
 #include <functional>
+#include <span>
 #include <string>
-#include <vector>
 
 #include "daemon/control_text.hpp"
 
@@ -19,6 +19,7 @@ class ControlSocket {
  public:
   static constexpr int kClientsMax = 8;
   static constexpr std::size_t kLineMax = 512;
+  static constexpr std::size_t kDescriptorsMax = 1 + kClientsMax;
 
   struct Handlers {
     std::function<bool(const Order&)> offer;  // false: one is waiting already
@@ -33,8 +34,9 @@ class ControlSocket {
   ControlSocket(const ControlSocket&) = delete;
   ControlSocket& operator=(const ControlSocket&) = delete;
 
-  void add_descriptors(std::vector<pollfd>& descriptors) const;
-  void handle(const std::vector<pollfd>& descriptors);
+  // What is to be polled; returns how many there are. Allocates nothing.
+  std::size_t put_descriptors(std::span<pollfd, kDescriptorsMax> descriptors) const;
+  void handle(std::span<const pollfd> descriptors);
   // Answers whoever waits for the order with the result's sequence.
   void answer(const CycleResult& result);
 

@@ -71,6 +71,14 @@ Json matrix_json(const Pose& T) {
   return rows;
 }
 
+Json times_json(const CycleTimes& t) {
+  return {{"wait", t.wait_ms},
+          {"grab", t.grab_ms},
+          {"detect", t.detect_ms},
+          {"rank", t.rank_ms},
+          {"total", t.total_ms}};
+}
+
 }  // namespace
 
 const char* const kControlHelp =
@@ -124,11 +132,9 @@ std::string result_json(const CycleResult& r) {
                {"page", r.page},
                {"pose_frame", r.pose_frame == PoseFrame::kBase ? "base" : "camera"}};
   if (r.error.code != ErrorCode::kNone) json["error"] = error_message(r.error.code);
-  json["times_ms"] = {{"wait", r.times.wait_ms},
-                      {"grab", r.times.grab_ms},
-                      {"detect", r.times.detect_ms},
-                      {"rank", r.times.rank_ms},
-                      {"total", r.times.total_ms}};
+  json["times_ms"] = times_json(r.times);
+  for (int i = 0; i < kStageCount; ++i)
+    json["stages_ms"][stage_name(static_cast<Stage>(i))] = r.stage_ms[static_cast<std::size_t>(i)];
   for (int i = 0; i < kDropReasonCount; ++i)
     json["dropped"][drop_reason_name(static_cast<DropReason>(i))] =
         r.dropped[static_cast<std::size_t>(i)];
@@ -143,15 +149,21 @@ std::string result_json(const CycleResult& r) {
   return json.dump();
 }
 
-std::string status_json(const StationStatus& status, const char* sensor_state) {
-  return Json{{"ok", true},
-              {"state", station_state_name(status.state)},
-              {"busy", status.busy},
-              {"recipe", status.recipe},
-              {"free_running", status.free_running},
-              {"plc_heartbeat_lost", status.plc_lost},
-              {"sensor", sensor_state}}
-      .dump();
+std::string status_json(const StationStatus& status, const char* sensor_state,
+                        const CycleResult& last) {
+  Json json = {{"ok", true},
+               {"state", station_state_name(status.state)},
+               {"busy", status.busy},
+               {"recipe", status.recipe},
+               {"free_running", status.free_running},
+               {"plc_heartbeat_lost", status.plc_lost},
+               {"sensor", sensor_state}};
+  if (last.cycle > 0)
+    json["last"] = {{"cycle", last.cycle},
+                    {"cause_name", cause_name(last.cause)},
+                    {"picks", last.picks.size()},
+                    {"times_ms", times_json(last.times)}};
+  return json.dump();
 }
 
 std::string refusal_json(Cause cause, std::string_view fault) {

@@ -20,7 +20,8 @@ struct ControlRequest {
 ControlRequest parse_control_line(std::string_view line);
 
 std::string result_json(const CycleResult& result);
-std::string status_json(const StationStatus& status, const char* sensor_state);
+std::string status_json(const StationStatus& status, const char* sensor_state,
+                        const CycleResult& last);
 std::string fault_json(std::string_view fault);
 // Of an order that was not taken.
 std::string refusal_json(Cause cause, std::string_view fault);

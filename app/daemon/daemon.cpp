@@ -20,12 +20,6 @@ MemoryPlan checked_plan(const Config& config, const RecipeSet& recipes) {
   return plan;
 }
 
-// Locked before the arena is made, which then has its pages at once and for good.
-std::size_t lock_if_wanted(const MemoryConfig& config, std::size_t bytes) {
-  if (config.lock) lock_memory();
-  return bytes;
-}
-
 std::string joined(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
@@ -40,7 +34,7 @@ Daemon::Daemon(const Config& config, OpenFn open, Log& log, Notifier& notifier)
       notifier_(notifier),
       recipes_(config_),
       plan_(checked_plan(config_, recipes_)),
-      arena_(lock_if_wanted(config_.memory, plan_.arena_bytes())),
+      arena_(lock_memory_first()),
       frames_(frame_pool_params(config_), arena_),
       workers_(make_workers()),
       detector_(recipes_.models(), recipes_.limits(), {MapLayout::kRearranged, config_.threads.isa},
@@ -55,8 +49,8 @@ Daemon::Daemon(const Config& config, OpenFn open, Log& log, Notifier& notifier)
       control_(config_.station.control_socket,
                {[this](const Order& order) { return station_.offer(order); },
                 [this] { return status_text(); }, [this] { return record(); }}) {
-  metrics_.watch(
-      {&session_, modbus_ ? &*modbus_ : nullptr, recorder_ ? &*recorder_ : nullptr, &log_});
+  metrics_.watch({&session_, modbus_ ? &*modbus_ : nullptr, recorder_ ? &*recorder_ : nullptr,
+                  &log_, refused_});
   if (!config_.metrics.listen.empty())
     metrics_server_.emplace(MetricsServerParams{config_.metrics.listen}, metrics_.registry(),
                             arena_);
@@ -65,13 +59,30 @@ Daemon::Daemon(const Config& config, OpenFn open, Log& log, Notifier& notifier)
   arena_.seal();
 }
 
-ThreadPool Daemon::make_workers() const {
+// Before the arena is made, which then has its pages at once and for good.
+std::size_t Daemon::lock_memory_first() {
+  const std::string refused = lock_memory(plan_, config_.memory);
+  refused_.lock = !refused.empty();
+  if (refused_.lock) log_.warning("%s: goes on without locked memory", refused.c_str());
+  return plan_.arena_bytes();
+}
+
+// Once, not once a thread.
+void Daemon::tell_refused(const std::string& refused) {
+  if (refused.empty() || refused_.scheduling) return;
+  refused_.scheduling = true;
+  log_.warning("%s: goes on without", refused.c_str());
+}
+
+ThreadPool Daemon::make_workers() {
   const ScopedScheduling scheduling(config_.threads);
+  tell_refused(scheduling.refused());
   return ThreadPool(worker_count(config_));
 }
 
 Station Daemon::make_station() {
   const ScopedScheduling scheduling(config_.threads);
+  tell_refused(scheduling.refused());
   return Station({recipes_, detector_, source_, monotonic_ns, std::span(sinks_).first(sink_count_)},
                  config_, arena_);
 }
@@ -107,15 +118,16 @@ void Daemon::run() {
 }
 
 void Daemon::turn(int wait_ms) {
-  std::vector<pollfd> descriptors = {{signals_.descriptor(), POLLIN, 0},
-                                     {board_.descriptor(), POLLIN, 0}};
-  control_.add_descriptors(descriptors);
-  poll(descriptors.data(), descriptors.size(), wait_ms);
+  std::array<pollfd, 2 + ControlSocket::kDescriptorsMax> descriptors = {
+      {{signals_.descriptor(), POLLIN, 0}, {board_.descriptor(), POLLIN, 0}}};
+  const std::size_t of_control = control_.put_descriptors(std::span(descriptors).subspan<2>());
+  poll(descriptors.data(), 2 + of_control, wait_ms);
   if (descriptors[1].revents != 0) tell_answers();
-  control_.handle(descriptors);
+  control_.handle(std::span(descriptors).subspan(2, of_control));
   handle_signals();
   tell_sensor();
   tell_recorder();
+  tell_replaced();
   feed_watchdog();
 }
 
@@ -133,8 +145,9 @@ void Daemon::reload() {
   notifier_.reloading();
   try {
     const Config wanted = load_config(config_.file);
-    const ConfigChanges changes = compare(config_, wanted);
-    take_live_values(config_, wanted);
+    const ReloadLimits limits = recipes_.reload_limits();
+    const ConfigChanges changes = compare(config_, wanted, limits);
+    take_live_values(config_, wanted, limits);
     station_.reload(config_);
     if (modbus_) modbus_->set_flange_needed(needs_flange_pose(config_.station));
     log_.set_level(config_.logging.level);
@@ -153,11 +166,11 @@ void Daemon::tell_answers() {
   board_.clear_event();
   for (int i = 0; i < ResultBoard::kSources; ++i) {
     const auto source = static_cast<OrderSource>(i);
-    const ResultBoard::Copy last = board_.last(source);
+    const ResultBoard::Brief last = board_.brief(source);
     if (last.number == told_[static_cast<std::size_t>(i)]) continue;
     told_[static_cast<std::size_t>(i)] = last.number;
     const CycleResult& r = last.result;
-    if (source == OrderSource::kControl) control_.answer(r);
+    if (source == OrderSource::kControl) control_.answer(board_.last(source).result);
     const char* error = r.error.code == ErrorCode::kNone ? "" : error_message(r.error.code);
     if (is_fault(r.cause)) {
       log_.about_cycle(LogLevel::kWarning, r.cycle, cause_name(r.cause), "cycle %llu: %s: %s%s%s",
@@ -167,7 +180,7 @@ void Daemon::tell_answers() {
       log_.about_cycle(LogLevel::kDebug, r.cycle, cause_name(r.cause),
                        "cycle %llu: %s: %s, %zu picks of %d, grab %.1f detect %.1f total %.1f ms",
                        static_cast<unsigned long long>(r.cycle), order_name(r.order.code),
-                       cause_name(r.cause), r.picks.size(), r.detections, r.times.grab_ms,
+                       cause_name(r.cause), last.pick_count, r.detections, r.times.grab_ms,
                        r.times.detect_ms, r.times.total_ms);
     }
   }
@@ -175,7 +188,7 @@ void Daemon::tell_answers() {
 
 // Once a change, not once a look.
 void Daemon::tell_sensor() {
-  const SessionStatus status = session_.status();
+  const SessionCounts status = session_.counts();
   if (status.losses != losses_told_) {
     losses_told_ = status.losses;
     log_.warning("%s: lost (%llu times since start)", config_.sensor.uri.c_str(),
@@ -186,10 +199,12 @@ void Daemon::tell_sensor() {
     open_error_told_.clear();
     log_.info("%s: open", config_.sensor.uri.c_str());
   }
-  if (status.state != SessionState::kReady && status.last_error != open_error_told_) {
-    open_error_told_ = status.last_error;
-    log_.warning("%s", status.last_error.c_str());
-  }
+  if (status.open_failures == open_failures_told_) return;
+  open_failures_told_ = status.open_failures;
+  const std::string error = session_.status().last_error;
+  if (status.state == SessionState::kReady || error == open_error_told_) return;
+  open_error_told_ = error;
+  log_.warning("%s", error.c_str());
 }
 
 // False: there is no recorder.
@@ -209,6 +224,14 @@ void Daemon::tell_recorder() {
   records_lost_told_ = lost;
 }
 
+void Daemon::tell_replaced() {
+  const std::uint64_t replaced = station_.status().orders_replaced;
+  if (replaced == replaced_told_) return;
+  log_.warning("%llu commands of the PLC were replaced by newer ones before their turn came",
+               static_cast<unsigned long long>(replaced - replaced_told_));
+  replaced_told_ = replaced;
+}
+
 // By the cycle's own steps: a cycle that hangs is not fed, however lively this loop is.
 void Daemon::feed_watchdog() {
   const std::uint64_t progress = station_.progress();
@@ -218,7 +241,12 @@ void Daemon::feed_watchdog() {
 }
 
 std::string Daemon::status_text() const {
-  return status_json(station_.status(), session_state_name(session_.status().state));
+  ResultBoard::Copy newest;
+  for (int i = 0; i < ResultBoard::kSources; ++i) {
+    ResultBoard::Copy last = board_.last(static_cast<OrderSource>(i));
+    if (last.result.cycle > newest.result.cycle) newest = std::move(last);
+  }
+  return status_json(station_.status(), session_state_name(session_.status().state), newest.result);
 }
 
 }  // namespace binpick::app

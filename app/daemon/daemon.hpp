@@ -52,7 +52,10 @@ class Daemon {
   std::string status_text() const;
   bool record();
   void tell_recorder();
-  ThreadPool make_workers() const;
+  void tell_replaced();
+  std::size_t lock_memory_first();
+  void tell_refused(const std::string& refused);
+  ThreadPool make_workers();
   Station make_station();
   std::size_t collect_sinks();
 
@@ -61,6 +64,7 @@ class Daemon {
   Notifier& notifier_;
   RecipeSet recipes_;
   MemoryPlan plan_;
+  RefusedSettings refused_;
   Arena arena_;
   FramePool frames_;
   ThreadPool workers_;
@@ -81,9 +85,9 @@ class Daemon {
 
   std::atomic<bool> ending_{false};
   std::array<std::uint64_t, ResultBoard::kSources> told_{};
-  std::uint64_t progress_fed_ = 0, opened_told_ = 0, losses_told_ = 0;
+  std::uint64_t progress_fed_ = 0, opened_told_ = 0, losses_told_ = 0, open_failures_told_ = 0;
   std::string open_error_told_;
-  std::uint64_t records_lost_told_ = 0;
+  std::uint64_t records_lost_told_ = 0, replaced_told_ = 0;
 };
 
 }  // namespace binpick::app

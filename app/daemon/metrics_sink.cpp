@@ -37,10 +37,19 @@ MetricsSink::MetricsSink() {
   registry_.add("binpick_late_answers_total", "Answers after their deadline.", late_);
   registry_.add("binpick_state", "0 idle, 1 grabbing, 2 computing, 3 done, 4 fault.", state_);
   registry_.add("binpick_recipe", "The recipe that is selected.", recipe_);
+  registry_.add("binpick_commands_replaced_total",
+                "Commands of the PLC that a newer one replaced before their turn came.",
+                commands_replaced_);
   add_sensor();
   add_modbus();
   add_rest();
   registry_.set_refresh([this] { refresh(); });
+}
+
+void MetricsSink::watch(const MetricsSources& sources) {
+  sources_ = sources;
+  lock_refused_.set(sources.refused.lock ? 1 : 0);
+  scheduling_refused_.set(sources.refused.scheduling ? 1 : 0);
 }
 
 void MetricsSink::add_sensor() {
@@ -78,12 +87,18 @@ void MetricsSink::add_rest() {
                 log_suppressed_);
   registry_.add("binpick_resident_bytes", "Resident memory.", resident_bytes_);
   registry_.add("binpick_locked_bytes", "Locked memory.", locked_bytes_);
+  constexpr const char* kRefused = "1: the system refused it at start.";
+  registry_.add("binpick_setting_refused", kRefused, lock_refused_,
+                label("setting", "memory.lock"));
+  registry_.add("binpick_setting_refused", kRefused, scheduling_refused_,
+                label("setting", "threads"));
   registry_.add("binpick_threads", "Threads, those of libraries too.", threads_);
 }
 
 void MetricsSink::on_status(const StationStatus& status) {
   state_.set(static_cast<double>(status.state));
   recipe_.set(status.recipe);
+  commands_replaced_.set(status.orders_replaced);
 }
 
 void MetricsSink::on_result(const CycleResult& result, const StationStatus& status,
@@ -122,7 +137,7 @@ void MetricsSink::refresh() {
 }
 
 void MetricsSink::refresh_sensor() {
-  const SessionStatus status = sources_.session->status();
+  const SessionCounts status = sources_.session->counts();
   sensor_ready_.set(status.state == SessionState::kReady ? 1 : 0);
   sensor_opened_.set(status.opened);
   sensor_losses_.set(status.losses);

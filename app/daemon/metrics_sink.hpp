@@ -11,19 +11,25 @@
 
 namespace binpick::app {
 
+// What the system refused at start, and the station goes on without.
+struct RefusedSettings {
+  bool lock = false, scheduling = false;
+};
+
 // What is looked at; null: there is none. They outlive the sink.
 struct MetricsSources {
   const SensorSession* session = nullptr;
   const ModbusLink* link = nullptr;
   RecorderSink* recorder = nullptr;
   const Log* log = nullptr;
+  RefusedSettings refused;
 };
 
 class MetricsSink final : public StationSink {
  public:
   MetricsSink();
   // Before the registry is asked for the first time.
-  void watch(const MetricsSources& sources) { sources_ = sources; }
+  void watch(const MetricsSources& sources);
 
   void on_status(const StationStatus& status) override;
   void on_result(const CycleResult& result, const StationStatus& status,
@@ -47,7 +53,9 @@ class MetricsSink final : public StationSink {
   std::array<Counter, kCauses> answers_;
   std::array<TimeHistogram, kTimes> times_;
   Counter picks_, detections_, late_;
+  Counter commands_replaced_;
   Gauge state_, recipe_;
+  Gauge lock_refused_, scheduling_refused_;
   Gauge sensor_ready_;
   Counter sensor_opened_, sensor_losses_, sensor_frames_;
   std::array<Counter, drivers::kDropReasonCount> sensor_dropped_;

@@ -38,7 +38,7 @@ modbus::ServerConfig server_config_of(const ModbusConfig& config) {
 ModbusLink::ModbusLink(const Config& config)
     : encoding_(config.modbus.encoding),
       simulated_(is_simulated(config.sensor)),
-      server_(server_config_of(config.modbus), encoding_, image_, inbox_),
+      server_(server_config_of(config.modbus), encoding_, image_, *this),
       flange_needed_(needs_flange_pose(config.station)) {
   publish();
 }
@@ -57,23 +57,26 @@ void ModbusLink::start(Station& station, const SensorSession& session) {
 
 void ModbusLink::stop() {
   if (!thread_.joinable()) return;
-  stopping_ = true;
+  {
+    const std::lock_guard lock(stop_mutex_);
+    stopping_ = true;
+  }
+  stop_.notify_all();
   thread_.join();
   server_.stop();
 }
 
 void ModbusLink::run() {
   pthread_setname_np(pthread_self(), "modbus-link");
-  modbus::TakenCommand taken;
-  while (!stopping_) {
-    if (inbox_.wait(taken, kTurn_ms)) take(taken);
+  std::unique_lock lock(stop_mutex_);
+  while (!stop_.wait_for(lock, std::chrono::milliseconds(kTurn_ms), [&] { return stopping_; }))
     turn();
-  }
 }
 
-void ModbusLink::take(const modbus::TakenCommand& taken) {
-  station_->offer(order_of_command(taken.registers, encoding_,
-                                   flange_needed_.load(std::memory_order_relaxed), taken.taken_ns));
+void ModbusLink::put(const modbus::TakenCommand& command) {
+  station_->offer(order_of_command(command.registers, encoding_,
+                                   flange_needed_.load(std::memory_order_relaxed),
+                                   command.taken_ns));
 }
 
 void ModbusLink::turn() {
@@ -86,17 +89,22 @@ void ModbusLink::turn() {
 void ModbusLink::on_status(const StationStatus& status) {
   const std::lock_guard lock(publish_mutex_);
   status_ = status;
-  if (status.order.source == OrderSource::kPlc)
-    answer_.acknowledged_sequence = static_cast<std::uint16_t>(status.order.sequence);
+  acknowledge(status);
   publish();
+}
+
+// publish_mutex_ is held.
+void ModbusLink::acknowledge(const StationStatus& status) {
+  if (status.order.source != OrderSource::kPlc) return;
+  answer_.acknowledged_sequence = static_cast<std::uint16_t>(status.order.sequence);
+  command_replaced_ = status.order_replaced_one;
 }
 
 void ModbusLink::on_result(const CycleResult& result, const StationStatus& status,
                            const FrameRef&) {
   const std::lock_guard lock(publish_mutex_);
   status_ = status;
-  if (result.order.source == OrderSource::kPlc)
-    answer_.acknowledged_sequence = static_cast<std::uint16_t>(result.order.sequence);
+  acknowledge(status);
   answer_.result_sequence = modbus::next_sequence(answer_.result_sequence);
   fill_answer(result, answer_);
   capture_ns_ = result.capture_ns;
@@ -121,7 +129,8 @@ std::uint16_t ModbusLink::state_bits() const {
       bit_if(status_.free_running, StateBit::kFreeRunning) |
       bit_if(sensor_ok, StateBit::kSensorOk) |
       bit_if(status_.plc_lost, StateBit::kPlcHeartbeatLost) |
-      bit_if(simulated_, StateBit::kSimulated));
+      bit_if(simulated_, StateBit::kSimulated) |
+      bit_if(command_replaced_, StateBit::kCommandReplaced));
 }
 
 modbus::AnswerRegisters ModbusLink::registers() const {

@@ -1,9 +1,11 @@
 // Between the station and its Modbus server: commands become orders, answers and states become
-// registers. Its thread waits for commands, keeps the station's heartbeat moving and watches the
-// PLC's; answers are published by the cycle's thread itself. Allocates nothing after start().
+// registers. Commands are handed on by the server's thread, answers published by the cycle's; the
+// link's own keeps the station's heartbeat moving and watches the PLC's. Allocates nothing after
+// start().
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <mutex>
 #include <thread>
 
@@ -15,7 +17,7 @@ namespace binpick::app {
 
 modbus::ServerConfig server_config_of(const ModbusConfig& config);
 
-class ModbusLink final : public StationSink {
+class ModbusLink final : public StationSink, private modbus::CommandSink {
  public:
   // Binds and listens; throws SetupError.
   explicit ModbusLink(const Config& config);
@@ -39,17 +41,17 @@ class ModbusLink final : public StationSink {
   const modbus::Server& server() const { return server_; }
 
  private:
+  void put(const modbus::TakenCommand& command) override;
   void run();
-  void take(const modbus::TakenCommand& taken);
   void turn();
   // publish_mutex_ is held.
+  void acknowledge(const StationStatus& status);
   void publish();
   std::uint16_t state_bits() const;
 
   const modbus::Encoding encoding_;
   const bool simulated_;
   modbus::AnswerImage image_;
-  modbus::CommandInbox inbox_;
   modbus::Server server_;
   Station* station_ = nullptr;
   const SensorSession* session_ = nullptr;
@@ -61,8 +63,11 @@ class ModbusLink final : public StationSink {
   std::int64_t capture_ns_ = 0;
   StationStatus status_;
   bool cut_short_ = false;
+  bool command_replaced_ = false;
 
-  std::atomic<bool> stopping_{false};
+  std::mutex stop_mutex_;
+  std::condition_variable stop_;
+  bool stopping_ = false;
   std::thread thread_;
 };
 

@@ -1,11 +1,11 @@
 #include "daemon/recorder_sink.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
+#include "config/config_writer.hpp"
 #include "daemon/answer_of_result.hpp"
 
 namespace fs = std::filesystem;
@@ -19,25 +19,22 @@ CycleRecorderParams params_of(const Config& config) {
   params.shelf = {config.recorder.folder, bytes(config.recorder.mib_max),
                   bytes(config.recorder.free_mib_min)};
   params.mode = config.recorder.mode;
-  params.ring = {config.recorder.cycles, config.sensor.width_max, config.sensor.height_max};
+  params.ring = {config.recorder.cycles, config.sensor.width_max, config.sensor.height_max,
+                 RecordRing::kSlotsMax};
   return params;
 }
 
-std::string text_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return std::string((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-}
-
-// The files as they are now: recipes in the order in which the main file names them, under numbers,
-// since their own names may lead anywhere.
+// As it is in effect, whatever the files say by now: recipes in the order in which the main file
+// names them, under numbers, since their own names may lead anywhere.
 std::shared_ptr<const RecordedConfiguration> configuration_of(const Config& config,
                                                               const RecipeSet& recipes) {
   auto recorded = std::make_shared<RecordedConfiguration>();
   recorded->program = "binpickd " BINPICK_VERSION;
-  recorded->files.push_back({"binpick.toml", text_of(config.file)});
+  recorded->files.push_back({"binpick.toml", written_config(config)});
   for (std::size_t i = 0; i < config.recipes.size(); ++i) {
     const RecipeConfig& recipe = config.recipes[i];
-    recorded->files.push_back({"recipes/" + std::to_string(i + 1) + ".toml", text_of(recipe.file)});
+    recorded->files.push_back(
+        {"recipes/" + std::to_string(i + 1) + ".toml", written_recipe(recipe)});
     for (const std::string& path : recipe.models) {
       const auto is_it = [&](const auto& file) { return file->path() == path; };
       const auto file = std::find_if(recipes.files().begin(), recipes.files().end(), is_it);
@@ -51,6 +48,11 @@ std::shared_ptr<const RecordedConfiguration> configuration_of(const Config& conf
 
 bool is_cycle(OrderCode code) {
   return code == OrderCode::kDetect || code == OrderCode::kCapture || code == OrderCode::kProcess;
+}
+
+// Others turn pages, select, clear: the frame behind them was recorded before.
+bool used_frame(const CycleResult& result) {
+  return is_cycle(result.order.code) && !is_refusal(result.cause);
 }
 
 }  // namespace
@@ -70,9 +72,8 @@ void RecorderSink::reload(const Config& config, const RecipeSet& recipes) {
   recorder_.set_configuration(configuration_of(config, recipes));
 }
 
-void RecorderSink::on_result(const CycleResult& result, const StationStatus&,
+void RecorderSink::on_result(const CycleResult& result, const StationStatus& status,
                              const FrameRef& kept_frame) {
-  if (!is_cycle(result.order.code)) return;
   modbus::AnswerRegisters answer{};
   if (link_ != nullptr) {
     answer = link_->registers();
@@ -83,22 +84,28 @@ void RecorderSink::on_result(const CycleResult& result, const StationStatus&,
   }
   const modbus::CommandRegisters command = command_registers(result.order, encoding_);
   const CycleTimes& t = result.times;
-  const RecordedTime times[] = {{"wait", t.wait_ms},
-                                {"grab", t.grab_ms},
-                                {"detect", t.detect_ms},
-                                {"rank", t.rank_ms},
-                                {"total", t.total_ms}};
+  constexpr int kTimes = 5;
+  std::array<RecordedTime, kTimes + kStageCount> times = {{{"wait", t.wait_ms},
+                                                           {"grab", t.grab_ms},
+                                                           {"detect", t.detect_ms},
+                                                           {"rank", t.rank_ms},
+                                                           {"total", t.total_ms}}};
+  static_assert(times.size() <= KeptRecord::kTimesMax);
+  for (std::size_t i = 0; i < kStageCount; ++i)
+    times[kTimes + i] = {stage_name(static_cast<Stage>(i)), result.stage_ms[i]};
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   CycleRecord record;
   record.cycle = result.cycle;
   record.unix_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
   record.cause = static_cast<int>(result.cause);
   record.cause_name = cause_name(result.cause);
+  record.order_name = order_name(result.order.code);
+  record.recipe_selected = status.recipe;
   record.fault = is_fault(result.cause);
   record.command = command;
   record.answer = answer;
   record.times = times;
-  record.frame = kept_frame && !is_refusal(result.cause) ? &kept_frame.frame() : nullptr;
+  record.frame = kept_frame && used_frame(result) ? &kept_frame.frame() : nullptr;
   recorder_.record(record);
 }
 

@@ -41,11 +41,18 @@ void ResultBoard::clear_event() {
   eventfd_read(descriptor_, &count);
 }
 
+ResultBoard::Brief ResultBoard::brief(OrderSource source) const {
+  const std::lock_guard lock(mutex_);
+  const Entry& entry = entries_[static_cast<std::size_t>(source)];
+  Brief brief{entry.number, entry.result, entry.result.picks.size()};
+  brief.result.picks = {};
+  return brief;
+}
+
 ResultBoard::Copy ResultBoard::last(OrderSource source) const {
   Copy copy;
   const std::lock_guard lock(mutex_);
   const Entry& entry = entries_[static_cast<std::size_t>(source)];
-  copy.number = entry.number;
   copy.result = entry.result;
   copy.picks.assign(entry.result.picks.begin(), entry.result.picks.end());
   copy.result.picks = copy.picks;

@@ -31,9 +31,16 @@ class ResultBoard final : public StationSink {
   int descriptor() const { return descriptor_; }
   void clear_event();
 
-  struct Copy {
+  struct Brief {
     std::uint64_t number = 0;  // of the source's answers; 0: none yet
-    CycleResult result;        // its picks are those below
+    CycleResult result;        // without its picks
+    std::size_t pick_count = 0;
+  };
+  // Allocates nothing.
+  Brief brief(OrderSource source) const;
+
+  struct Copy {
+    CycleResult result;  // its picks are those below
     std::vector<Pick> picks;
   };
   Copy last(OrderSource source) const;

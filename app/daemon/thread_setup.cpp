@@ -24,7 +24,7 @@ int policy_of(Scheduling scheduling) {
 
 }  // namespace
 
-ScopedScheduling::ScopedScheduling(const ThreadsConfig& config) {
+ScopedScheduling::ScopedScheduling(const ThreadsConfig& config) : required_(config.required) {
   pthread_getaffinity_np(pthread_self(), sizeof cpus_before_, &cpus_before_);
   pthread_getschedparam(pthread_self(), &policy_before_, &priority_before_);
   if (!config.cpus.empty()) {
@@ -32,15 +32,21 @@ ScopedScheduling::ScopedScheduling(const ThreadsConfig& config) {
     CPU_ZERO(&cpus);
     for (const int cpu : config.cpus) CPU_SET(static_cast<std::size_t>(cpu), &cpus);
     if (const int error = pthread_setaffinity_np(pthread_self(), sizeof cpus, &cpus))
-      throw SetupError(std::string("threads.cpus: ") + std::strerror(error));
+      refuse("threads.cpus", error, "processors that are there and allowed: CPUAffinity=");
   }
   if (config.scheduling == Scheduling::kOther) return;
   sched_param priority{};
   priority.sched_priority = config.priority;
   const int policy = policy_of(config.scheduling);
   if (const int error = pthread_setschedparam(pthread_self(), policy, &priority))
-    throw SetupError(std::string("threads.scheduling: ") + std::strerror(error) +
-                     " (LimitRTPRIO= or CAP_SYS_NICE)");
+    refuse("threads.scheduling", error, "LimitRTPRIO= or CAP_SYS_NICE, and RestrictRealtime=no");
+}
+
+void ScopedScheduling::refuse(const char* key, int error, const char* needed) {
+  const std::string text =
+      std::string(key) + ": the system refuses it: " + std::strerror(error) + " (" + needed + ")";
+  if (required_) throw SetupError(text);
+  refused_ += (refused_.empty() ? "" : "; ") + text;
 }
 
 ScopedScheduling::~ScopedScheduling() {

@@ -4,11 +4,14 @@
 
 #include <sched.h>
 
+#include <string>
+
 #include "config/config.hpp"
 
 namespace binpick::app {
 
-// Throws SetupError where the system does not allow it.
+// Where the system does not allow it: throws SetupError if it is required, and else goes on with
+// what is allowed.
 class ScopedScheduling {
  public:
   explicit ScopedScheduling(const ThreadsConfig& config);
@@ -16,7 +19,14 @@ class ScopedScheduling {
   ScopedScheduling(const ScopedScheduling&) = delete;
   ScopedScheduling& operator=(const ScopedScheduling&) = delete;
 
+  // What the system refused, for a person; empty: nothing.
+  const std::string& refused() const { return refused_; }
+
  private:
+  void refuse(const char* key, int error, const char* needed);
+
+  const bool required_;
+  std::string refused_;
   cpu_set_t cpus_before_{};
   int policy_before_ = 0;
   sched_param priority_before_{};

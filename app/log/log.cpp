@@ -1,5 +1,6 @@
 #include "log/log.hpp"
 
+#include <pthread.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -82,6 +83,7 @@ LogCounters Log::counters() const {
 }
 
 void Log::work() {
+  pthread_setname_np(pthread_self(), "log");
   sigset_t all;
   sigfillset(&all);
   pthread_sigmask(SIG_BLOCK, &all, nullptr);

@@ -1,6 +1,7 @@
 #include "metrics/metrics_server.hpp"
 
 #include <poll.h>
+#include <pthread.h>
 #include <signal.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
@@ -87,6 +88,7 @@ void MetricsServer::end(Connection& connection) {
 }
 
 void MetricsServer::work() {
+  pthread_setname_np(pthread_self(), "metrics");
   sigset_t all;
   sigfillset(&all);
   pthread_sigmask(SIG_BLOCK, &all, nullptr);

@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <errno.h>
 #include <netinet/in.h>
+#include <pthread.h>
 #include <signal.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
@@ -37,10 +38,10 @@ void watch(int epoll, int operation, int fd, std::uint32_t events, std::uint64_t
 }  // namespace
 
 Server::Server(const ServerConfig& config, const Encoding& encoding, AnswerImage& image,
-               CommandInbox& inbox)
+               CommandSink& sink)
     : config_(config),
       image_(image),
-      inbox_(inbox),
+      sink_(sink),
       responder_(config.unit_id, encoding),
       heartbeat_(config.plc_heartbeat_timeout_ms),
       clients_(static_cast<std::size_t>(std::clamp(config.clients_max, 1, 1024))),
@@ -85,6 +86,7 @@ Heartbeat Server::plc_heartbeat() const {
 }
 
 void Server::run() {
+  pthread_setname_np(pthread_self(), "modbus");
   std::int64_t wait_ns = 0;
   while (!stopping_) wait_ns = wait_and_turn(wait_ns);
 }
@@ -251,8 +253,8 @@ void Server::written(std::int64_t now_ns) {
   TakenCommand command;
   std::copy(registers.begin(), registers.end(), command.registers.begin());
   command.taken_ns = now_ns;
-  inbox_.put(command);
   counters_.add(Count::kCommands);
+  sink_.put(command);
 }
 
 bool Server::close_if_late(Connection& client, std::int64_t now_ns) {

@@ -14,7 +14,7 @@
 
 #include "modbus/address_list.hpp"
 #include "modbus/answer_image.hpp"
-#include "modbus/command_inbox.hpp"
+#include "modbus/command_sink.hpp"
 #include "modbus/connection.hpp"
 #include "modbus/heartbeat_watch.hpp"
 #include "modbus/owned_fd.hpp"
@@ -37,10 +37,10 @@ struct ServerConfig {
 
 class Server {
  public:
-  // Binds and listens; throws app::SetupError. `image` and `inbox` outlive the server, which is the
+  // Binds and listens; throws app::SetupError. `image` and `sink` outlive the server, which is the
   // one reader of `image`.
   Server(const ServerConfig& config, const Encoding& encoding, AnswerImage& image,
-         CommandInbox& inbox);
+         CommandSink& sink);
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
@@ -71,7 +71,7 @@ class Server {
 
   ServerConfig config_;
   AnswerImage& image_;
-  CommandInbox& inbox_;
+  CommandSink& sink_;
   Responder responder_;
   CommandBlock command_block_;
   HeartbeatWatch heartbeat_;

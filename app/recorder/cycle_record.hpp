@@ -1,5 +1,5 @@
-// What is kept of a cycle: enough to run it again and to compare. Borrowed by the recorder for the
-// call; the names are literals.
+// What is kept of an order, a whole cycle or a page that was turned: enough to carry it out again
+// and to compare. Borrowed by the recorder for the call; the names are literals.
 #pragma once
 
 #include <cstdint>
@@ -21,6 +21,8 @@ struct CycleRecord {
   std::int64_t unix_ns = 0;  // of the answer
   int cause = 0;
   const char* cause_name = "";
+  const char* order_name = "";
+  int recipe_selected = 0;  // when it had been carried out
   bool fault = false;
   std::span<const std::uint16_t> command, answer;  // registers, as they were and as published
   std::span<const RecordedTime> times;

@@ -1,5 +1,6 @@
 #include "recorder/cycle_recorder.hpp"
 
+#include <pthread.h>
 #include <sched.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -112,6 +113,7 @@ RecorderCounters CycleRecorder::counters() const {
 }
 
 void CycleRecorder::work() {
+  pthread_setname_np(pthread_self(), "recorder");
   block_signals();
   lower_priority();
   steady_clock::time_point stop_at = steady_clock::time_point::max();

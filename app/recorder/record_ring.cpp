@@ -36,31 +36,34 @@ std::size_t RecordRing::footprint(const RecordRingParams& params) {
 }
 
 RecordRing::RecordRing(const RecordRingParams& params, Arena& arena)
-    : slot_count_(params.slot_count) {
-  BINPICK_ASSERT(slot_count_ >= 2 && slot_count_ <= kSlotsMax);
-  for (int i = 0; i < slot_count_; ++i) {
+    : slot_count_(static_cast<std::size_t>(params.slot_count)),
+      frameless_count_(static_cast<std::size_t>(params.frameless_count)) {
+  BINPICK_ASSERT(params.slot_count >= 2 && params.slot_count <= kSlotsMax);
+  BINPICK_ASSERT(params.frameless_count != 1 && params.frameless_count >= 0 &&
+                 params.frameless_count <= kSlotsMax);
+  for (Slot& slot : slots().first(slot_count_)) {
     const Pixels pixels = take_pixels(arena, params);
-    slots_[static_cast<std::size_t>(i)].record.depth_codes = pixels.depth_codes;
-    slots_[static_cast<std::size_t>(i)].record.intensity = pixels.intensity;
+    slot.record.depth_codes = pixels.depth_codes;
+    slot.record.intensity = pixels.intensity;
   }
 }
 
-// The writer holds at most one slot, so there is always another one; each time that a claim fails
-// the writer has just taken or given back a slot.
-RecordRing::Slot& RecordRing::claim_oldest() {
+// The writer holds at most one slot, so there is always another one of two; each time that a claim
+// fails the writer has just taken or given back a slot.
+RecordRing::Slot& RecordRing::claim_oldest(std::span<Slot> among) {
   for (;;) {
     Slot* oldest = nullptr;
     auto state = State::kFree;
-    auto oldest_order = std::numeric_limits<std::uint64_t>::max();
-    for (Slot& slot : std::span(slots_).first(static_cast<std::size_t>(slot_count_))) {
+    auto oldest_number = std::numeric_limits<std::uint64_t>::max();
+    for (Slot& slot : among) {
       const State now = slot.state.load(std::memory_order_acquire);
       // What was written goes first, whatever its age.
-      const std::uint64_t order =
-          now == State::kFree ? 0 : slot.order.load(std::memory_order_relaxed);
-      if (now == State::kTaken || order >= oldest_order) continue;
+      const std::uint64_t number =
+          now == State::kFree ? 0 : slot.number.load(std::memory_order_relaxed);
+      if (now == State::kTaken || number >= oldest_number) continue;
       oldest = &slot;
       state = now;
-      oldest_order = order;
+      oldest_number = number;
     }
     if (oldest == nullptr) continue;
     if (!oldest->state.compare_exchange_strong(state, State::kFilling, std::memory_order_acquire))
@@ -75,6 +78,8 @@ void RecordRing::copy(const CycleRecord& record, KeptRecord& kept) {
   kept.unix_ns = record.unix_ns;
   kept.cause = record.cause;
   kept.cause_name = record.cause_name;
+  kept.order_name = record.order_name;
+  kept.recipe_selected = record.recipe_selected;
   kept.fault = record.fault;
   kept.command_count = copy_registers(record.command, kept.command);
   kept.answer_count = copy_registers(record.answer, kept.answer);
@@ -104,16 +109,17 @@ void RecordRing::copy(const CycleRecord& record, KeptRecord& kept) {
 }
 
 void RecordRing::put(const CycleRecord& record, int configuration, bool wanted) {
-  Slot& slot = claim_oldest();
+  const bool with_frame = record.frame != nullptr || frameless_count_ == 0;
+  Slot& slot = claim_oldest(with_frame ? slots().first(slot_count_) : slots().subspan(slot_count_));
   copy(record, slot.record);
   slot.record.configuration = configuration;
-  slot.record.order = ++order_;
-  slot.order.store(order_, std::memory_order_relaxed);
+  slot.record.number = ++number_;
+  slot.number.store(number_, std::memory_order_relaxed);
   slot.state.store(wanted ? State::kWanted : State::kKept, std::memory_order_release);
 }
 
 void RecordRing::want_all() {
-  for (Slot& slot : std::span(slots_).first(static_cast<std::size_t>(slot_count_))) {
+  for (Slot& slot : slots()) {
     State kept = State::kKept;
     slot.state.compare_exchange_strong(kept, State::kWanted, std::memory_order_acq_rel);
   }
@@ -122,13 +128,13 @@ void RecordRing::want_all() {
 const KeptRecord* RecordRing::take() {
   for (;;) {
     Slot* oldest = nullptr;
-    auto oldest_order = std::numeric_limits<std::uint64_t>::max();
-    for (Slot& slot : std::span(slots_).first(static_cast<std::size_t>(slot_count_))) {
+    auto oldest_number = std::numeric_limits<std::uint64_t>::max();
+    for (Slot& slot : slots()) {
       if (slot.state.load(std::memory_order_acquire) != State::kWanted) continue;
-      const std::uint64_t order = slot.order.load(std::memory_order_relaxed);
-      if (order >= oldest_order) continue;
+      const std::uint64_t number = slot.number.load(std::memory_order_relaxed);
+      if (number >= oldest_number) continue;
       oldest = &slot;
-      oldest_order = order;
+      oldest_number = number;
     }
     if (oldest == nullptr) return nullptr;
     State wanted = State::kWanted;
@@ -138,7 +144,7 @@ const KeptRecord* RecordRing::take() {
 }
 
 void RecordRing::give_back(const KeptRecord* record) {
-  for (Slot& slot : std::span(slots_).first(static_cast<std::size_t>(slot_count_))) {
+  for (Slot& slot : slots()) {
     if (&slot.record != record) continue;
     BINPICK_ASSERT(slot.state.load(std::memory_order_relaxed) == State::kTaken);
     slot.state.store(State::kFree, std::memory_order_release);

@@ -1,6 +1,7 @@
-// The last cycles, copied into memory of fixed size. One thread puts records in and never waits: a
+// The last orders, copied into memory of fixed size. One thread puts records in and never waits: a
 // full ring loses its oldest record that nobody is just writing, counted where it was still to be
-// written. Another thread takes out what is to be written. No lock: the writer may be kept from its
+// written. What has no frame has places of its own, so that turning pages pushes no frame out.
+// Another thread takes out what is to be written. No lock: the writer may be kept from its
 // processor for as long as others need it.
 #pragma once
 
@@ -15,19 +16,23 @@
 namespace binpick::app {
 
 struct RecordRingParams {
-  int slot_count = 8;  // 2 .. RecordRing::kSlotsMax
+  int slot_count = 8;  // with a frame, 2 .. RecordRing::kSlotsMax
   int width_max = 0, height_max = 0;
+  // Without a frame, 2 .. RecordRing::kSlotsMax; 0: those take the others' places.
+  int frameless_count = 0;
 };
 
 // A record in the ring.
 struct KeptRecord {
   static constexpr int kRegistersMax = 128, kTimesMax = 16;
 
-  std::uint64_t order = 0;  // counts records, from 1
+  std::uint64_t number = 0;  // counts records, from 1
   std::uint64_t cycle = 0;
   std::int64_t unix_ns = 0;
   int cause = 0;
   const char* cause_name = "";
+  const char* order_name = "";
+  int recipe_selected = 0;
   bool fault = false;
   int configuration = 0;
   std::array<std::uint16_t, kRegistersMax> command{}, answer{};
@@ -78,15 +83,16 @@ class RecordRing {
   };
   struct Slot {
     std::atomic<State> state{State::kFree};
-    std::atomic<std::uint64_t> order{0};  // of the record; 0: none
+    std::atomic<std::uint64_t> number{0};  // of the record; 0: none
     KeptRecord record;
   };
-  Slot& claim_oldest();
+  std::span<Slot> slots() { return std::span(slots_).first(slot_count_ + frameless_count_); }
+  Slot& claim_oldest(std::span<Slot> among);
   void copy(const CycleRecord& record, KeptRecord& kept);
 
-  std::array<Slot, kSlotsMax> slots_;
-  int slot_count_;
-  std::uint64_t order_ = 0;  // put()'s own
+  std::array<Slot, 2 * kSlotsMax> slots_;  // first those with a frame
+  std::size_t slot_count_, frameless_count_;
+  std::uint64_t number_ = 0;  // put()'s own
   std::atomic<std::uint64_t> overwritten_{0}, too_large_{0};
 };
 

@@ -178,6 +178,8 @@ bool RecordingWriter::write_line(const KeptRecord& record, bool with_frame) {
   line_.clear();
   line_.print("{\"cycle\":%" PRIu64 ",\"unix_ms\":%" PRId64 ",\"cause\":%d,\"cause_name\":\"%s\"",
               record.cycle, record.unix_ns / 1000000, record.cause, record.cause_name);
+  line_.print(",\"record\":%" PRIu64 ",\"order\":\"%s\",\"recipe_selected\":%d", record.number,
+              record.order_name, record.recipe_selected);
   line_.print(",\"fault\":%s", record.fault ? "true" : "false");
   if (with_frame) line_.print(",\"scene\":1,\"image\":%d", frame_count_);
   line_.add(",\"command\":");

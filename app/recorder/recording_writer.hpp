@@ -1,4 +1,4 @@
-// One recording on the disk: a data set in the BOP layout and a line of JSON a cycle.
+// One recording on the disk: a data set in the BOP layout and a line of JSON an order.
 //
 //   RECORDING/recording.json            format, program, models with their hashes
 //   RECORDING/configuration/...         the configuration's files

@@ -31,6 +31,9 @@ RecordedCycle cycle_of(const std::string& line) {
   cycle.cycle = entry.at("cycle").get<std::uint64_t>();
   cycle.cause = static_cast<modbus::map::Cause>(entry.at("cause").get<std::uint16_t>());
   if (entry.contains("image")) cycle.image = entry.at("image").get<int>();
+  cycle.record = entry.value("record", std::uint64_t{0});
+  cycle.order = entry.value("order", "");
+  cycle.recipe_selected = entry.value("recipe_selected", 0);
   read_registers(entry.at("command"), cycle.command);
   read_registers(entry.at("answer"), cycle.answer);
   return cycle;

@@ -12,8 +12,12 @@
 
 namespace binpick::app {
 
+// An order with its answer; most are cycles.
 struct RecordedCycle {
-  std::uint64_t cycle = 0;
+  std::uint64_t cycle = 0;   // its own, or the one before it
+  std::uint64_t record = 0;  // counts since the station's start, from 1; 0: it does not say
+  std::string order;         // its name
+  int recipe_selected = 0;   // when it had been carried out; 0: it does not say
   modbus::map::Cause cause = modbus::map::Cause::kNoResult;
   std::optional<int> image;  // of scene 1; none: the cycle had no frame
   modbus::CommandRegisters command{};

@@ -39,6 +39,10 @@ bool depends_on_more(Cause cause) {
   }
 }
 
+bool grabs(OrderCode code) {
+  return code == OrderCode::kDetect || code == OrderCode::kCapture;
+}
+
 ErrorCode fault_of(Cause cause) {
   switch (cause) {
     case Cause::kSensorTimeout:
@@ -92,36 +96,74 @@ StationReplay::StationReplay(const Config& config, const Recording& recording)
   scene_ = data_->scene(1);
 }
 
-// As process finds it: captured by the capture that came last.
+// As process finds it.
 bool StationReplay::keep_frame(const Order& process) {
-  Order capture = captured_;
+  Order capture = captured_.value_or(Order{});
   capture.code = OrderCode::kCapture;
   capture.recipe = process.recipe;
+  capture.refusal = Cause::kDone;
   return is_done(cycle_.run(capture).cause);
 }
 
-std::optional<modbus::AnswerRegisters> StationReplay::run(const RecordedCycle& recorded) {
-  if (depends_on_more(recorded.cause)) return std::nullopt;
+Order StationReplay::order_of(const RecordedCycle& recorded) {
   const auto conventions = recorded.answer[map::kAddressConventions - map::kAnswerStart];
   const auto encoding = modbus::encoding_of(conventions);
   Order order = order_of_command(recorded.command, encoding.value_or(config_.modbus.encoding),
                                  needs_flange_pose(config_.station), monotonic_ns());
-  // Whatever was selected then.
-  if (order.recipe == 0) order.recipe = recorded.answer[map::kAddressRecipe - map::kAnswerStart];
   if (recorded.cause != Cause::kDeadlineTooShort) order.deadline_ms = 0;
+  // Refused for what the station was doing: so that it is refused here too.
+  if (is_refusal(recorded.cause) && depends_on_more(recorded.cause)) order.refusal = recorded.cause;
+  if (recorded.recipe_selected == 0) {  // whatever was selected then
+    if (order.recipe == 0) order.recipe = recorded.answer[map::kAddressRecipe - map::kAnswerStart];
+  } else if (order.code != OrderCode::kSelectRecipe) {
+    Order select;
+    select.code = OrderCode::kSelectRecipe;
+    select.recipe = recorded.recipe_selected;
+    if (cycle_.selected_recipe() != select.recipe) cycle_.run(select);
+  }
+  return order;
+}
 
+const char* StationReplay::why_not_comparable(const RecordedCycle& recorded,
+                                              const Order& order) const {
+  if (depends_on_more(recorded.cause)) return cause_name(recorded.cause);
+  const bool cycle = grabs(order.code) || order.code == OrderCode::kProcess;
+  if (cycle && !is_refusal(recorded.cause)) {
+    const bool needs_capture =
+        order.code == OrderCode::kProcess && needs_flange_pose(config_.station);
+    return needs_capture && !captured_ ? "its capture is not in the recording" : nullptr;
+  }
+  return in_step_ ? nullptr : "what came before it is not in the recording, or was not comparable";
+}
+
+// After it was carried out: whether the next one finds what it found in the station.
+void StationReplay::follow(const RecordedCycle& recorded, const Order& order) {
+  if (grabs(order.code) && !is_refusal(recorded.cause)) captured_ = order;
+  const bool cycle = grabs(order.code) || order.code == OrderCode::kProcess;
+  if (cycle && !is_refusal(recorded.cause)) in_step_ = !depends_on_more(recorded.cause);
+  cycle_.set_free_running(false);  // its cycles are recorded as orders
+}
+
+StationReplay::Answer StationReplay::run(const RecordedCycle& recorded) {
+  if (recorded.record != last_record_ + 1 && recorded.record != 0) {
+    in_step_ = false;
+    captured_.reset();
+  }
+  last_record_ = recorded.record;
+  Order order = order_of(recorded);
+  Answer answer;
+  answer.not_comparable = why_not_comparable(recorded, order);
   drivers::LoadedFrame frame;
   if (recorded.image) frame = data_->load_frame(scene_, *recorded.image);
   frames_.set(recorded.image ? &frame : nullptr, fault_of(recorded.cause));
-  if (order.code == OrderCode::kCapture) captured_ = order;
-  if (order.code == OrderCode::kProcess && !is_refusal(recorded.cause) && !keep_frame(order))
-    return std::nullopt;
-  modbus::AnswerSnapshot answer;
-  fill_answer(cycle_.run(order), answer);
+  const bool processes = order.code == OrderCode::kProcess && !is_refusal(recorded.cause);
+  if (processes && !keep_frame(order)) answer.not_comparable = "its frame cannot be kept";
+  modbus::AnswerSnapshot snapshot;
+  fill_answer(cycle_.run(order), snapshot);
   frames_.set(nullptr, ErrorCode::kSensorLost);
-  modbus::AnswerRegisters registers{};
-  modbus::encode_answer(answer, config_.modbus.encoding, registers);
-  return registers;
+  modbus::encode_answer(snapshot, config_.modbus.encoding, answer.registers);
+  follow(recorded, order);
+  return answer;
 }
 
 std::vector<RegisterDifference> differences(const modbus::AnswerRegisters& recorded,

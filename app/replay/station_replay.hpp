@@ -20,8 +20,14 @@ class StationReplay {
   StationReplay& operator=(const StationReplay&) = delete;
 
   const RecipeSet& recipes() const { return recipes_; }
-  // Nothing: how this cycle ended depended on more than its frame and its command.
-  std::optional<modbus::AnswerRegisters> run(const RecordedCycle& cycle);
+  struct Answer {
+    modbus::AnswerRegisters registers{};
+    // Not null: how the order ended depended on more than its frame, its command and what the
+    // recording holds before it; nothing is to be compared.
+    const char* not_comparable = nullptr;
+  };
+  // In the order of the recording.
+  Answer run(const RecordedCycle& cycle);
 
  private:
   // Hands out the frame of the cycle that runs, or the fault that it had.
@@ -37,6 +43,9 @@ class StationReplay {
     ErrorCode fault_ = ErrorCode::kNone;
   };
 
+  Order order_of(const RecordedCycle& recorded);
+  const char* why_not_comparable(const RecordedCycle& recorded, const Order& order) const;
+  void follow(const RecordedCycle& recorded, const Order& order);
   bool keep_frame(const Order& process);
 
   const Config config_;
@@ -50,7 +59,11 @@ class StationReplay {
   Cycle cycle_;
   std::optional<drivers::BopDataset> data_;  // none: no cycle has a frame
   drivers::BopScene scene_;
-  Order captured_;  // the capture that came last, for the flange's pose
+  // The order that grabbed last, for the flange's pose; none: it is not in the recording.
+  std::optional<Order> captured_;
+  std::uint64_t last_record_ = 0;
+  // What the cycle holds is what the station's did: an order without a frame can be carried out.
+  bool in_step_ = true;
 };
 
 // One register that differs, and its words.

@@ -1,5 +1,7 @@
 #include "sensor/sensor_session.hpp"
 
+#include <pthread.h>
+
 #include <algorithm>
 
 namespace binpick::app {
@@ -136,6 +138,7 @@ void SensorSession::note_failure(const char* message) {
 }
 
 void SensorSession::work() {
+  pthread_setname_np(pthread_self(), "sensor");
   while (!ending()) {
     std::unique_ptr<drivers::Camera> camera = connect();
     if (!camera) return;
@@ -368,6 +371,13 @@ SessionStatus SensorSession::status() const {
   SessionStatus status = status_;
   status.camera = camera_ != nullptr ? sum(closed_, camera_->counters()) : closed_;
   return status;
+}
+
+SessionCounts SensorSession::counts() const {
+  const std::lock_guard lock(mutex_);
+  SessionCounts counts = status_;
+  counts.camera = camera_ != nullptr ? sum(closed_, camera_->counters()) : closed_;
+  return counts;
 }
 
 }  // namespace binpick::app

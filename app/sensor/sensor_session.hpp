@@ -40,7 +40,7 @@ struct SessionParams {
 enum class SessionState { kConnecting, kReady, kLost };
 const char* session_state_name(SessionState state);
 
-struct SessionStatus {
+struct SessionCounts {
   SessionState state = SessionState::kConnecting;
   std::uint64_t opened = 0;         // connections made
   std::uint64_t losses = 0;         // connections lost
@@ -49,7 +49,9 @@ struct SessionStatus {
   std::uint64_t retriggers = 0;     // a frame was dropped and asked for again
   std::uint64_t late_frames = 0;    // came when nobody waited any more
   drivers::CameraCounters camera;   // summed over all connections
-  std::string last_error;           // of opening; empty: none yet
+};
+struct SessionStatus : SessionCounts {
+  std::string last_error;  // of opening; empty: none yet
   std::string last_recovery_error;
 };
 
@@ -73,7 +75,9 @@ class SensorSession {
   // The sensor is likely to be there again: ends the pause before the next attempt to open it.
   void retry_now();
   SessionStatus status() const;
-  SessionState state() const;  // of status(), without allocation
+  // Of status(), without allocation.
+  SessionCounts counts() const;
+  SessionState state() const;
   // What the sensor lacks, as it was opened last; not for use in a cycle.
   std::vector<std::string> missing_features() const;
 

@@ -10,6 +10,7 @@
 #include "binpick/geometry/pose.hpp"
 #include "binpick/report/detection.hpp"
 #include "config/config.hpp"
+#include "modbus/command.hpp"
 #include "station/cause.hpp"
 
 namespace binpick::app {
@@ -29,8 +30,9 @@ struct Order {
   int page = 0;                  // of kPage
   bool has_flange_pose = false;  // needed where the sensor rides on the robot
   Pose T_base_flange;
-  std::int64_t received_ns = 0;  // monotonic
-  Cause refusal = Cause::kDone;  // otherwise: its source found that it cannot be carried out
+  std::int64_t received_ns = 0;        // monotonic
+  Cause refusal = Cause::kDone;        // otherwise: its source found that it cannot be carried out
+  modbus::CommandRegisters written{};  // of the PLC: the command block as it was
 };
 
 struct Pick {

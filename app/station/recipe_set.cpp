@@ -46,7 +46,6 @@ RecipeSet::RecipeSet(const Config& config) {
   for (const RecipeConfig& written : config.recipes) {
     Recipe recipe;
     recipe.number = written.number;
-    recipe.roi = roi_of(written.roi_px);
     for (const std::string& path : written.models) {
       const auto same = [&](const auto& file) { return file->path() == path; };
       const auto found = std::find_if(files_.begin(), files_.end(), same);
@@ -61,8 +60,15 @@ RecipeSet::RecipeSet(const Config& config) {
                        files_[0]->path() + "; a station's models share one");
     models_.push_back(file->model());
   }
-  limits_ = limits_of(config, recipes_);
   take_live_values(config.recipes);
+  limits_ = limits_of(config, recipes_);
+}
+
+ReloadLimits RecipeSet::reload_limits() const {
+  const bool whole = limits_.roi_width == 0;
+  return {limits_.image_width, limits_.image_height,
+          whole ? limits_.image_width : limits_.roi_width,
+          whole ? limits_.image_height : limits_.roi_height};
 }
 
 const Recipe* RecipeSet::find(int number) const {
@@ -75,6 +81,7 @@ const Recipe* RecipeSet::find(int number) const {
 void RecipeSet::take_live_values(std::span<const RecipeConfig> recipes) {
   for (std::size_t i = 0; i < recipes_.size() && i < recipes.size(); ++i) {
     if (recipes[i].number != recipes_[i].number) continue;
+    recipes_[i].roi = roi_of(recipes[i].roi_px);
     recipes_[i].min_score = recipes[i].min_score;
     recipes_[i].picks_max = recipes[i].picks_max;
     recipes_[i].T_obj_pick = pose_of(recipes[i].T_obj_pick);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "binpick/detect/detector.hpp"
-#include "config/config.hpp"
+#include "config/config_file.hpp"
 #include "model_file.hpp"
 
 namespace binpick::app {
@@ -37,7 +37,9 @@ class RecipeSet {
   // nullptr: no recipe has that number.
   const Recipe* find(int number) const;
   DetectorLimits limits() const { return limits_; }
-  // What a reload may change, of recipes with the same numbers in the same order.
+  ReloadLimits reload_limits() const;
+  // What a reload may change, of recipes with the same numbers in the same order, within
+  // reload_limits().
   void take_live_values(std::span<const RecipeConfig> recipes);
 
  private:

@@ -55,6 +55,10 @@ bool Station::offer(const Order& order) {
     if (stopping_) return false;
     std::optional<Order>& slot = order.source == OrderSource::kPlc ? plc_order_ : control_order_;
     if (slot && order.source != OrderSource::kPlc) return false;
+    if (slot) {
+      ++orders_replaced_;
+      plc_order_replaced_one_ = true;
+    }
     slot = order;
   }
   wake_.notify_all();
@@ -118,9 +122,13 @@ std::optional<Order> Station::next_order() {
 
 // mutex_ is held.
 std::optional<Order> Station::take_order() {
-  if (plc_order_) return std::exchange(plc_order_, std::nullopt);
+  if (plc_order_) {
+    order_replaced_one_ = std::exchange(plc_order_replaced_one_, false);
+    return std::exchange(plc_order_, std::nullopt);
+  }
+  if (!control_order_ && !free_run_due()) return std::nullopt;
+  order_replaced_one_ = false;
   if (control_order_) return std::exchange(control_order_, std::nullopt);
-  if (!free_run_due()) return std::nullopt;
   Order order;
   order.code = OrderCode::kDetect;
   order.source = OrderSource::kFreeRun;
@@ -145,11 +153,7 @@ void Station::carry_out(const Order& order) {
       std::max(is_done(result.cause) ? 0 : kPauseAfterFault_ns,
                std::int64_t{1000000} * cycle_.settings().free_run_pause_ms);
   free_run_due_ns_ = parts_.clock() + pause_ns;
-  const StationStatus status = status_now();
-  {
-    const std::lock_guard lock(mutex_);
-    status_ = status;
-  }
+  const StationStatus status = keep_status();
   for (StationSink* sink : parts_.sinks) sink->on_result(result, status, cycle_.kept_frame());
 }
 
@@ -164,16 +168,18 @@ void Station::take_over_reload() {
 
 StationStatus Station::status_now() const {
   return {cycle_.state(), cycle_.selected_recipe(), cycle_.free_running(), plc_lost_seen_, order_,
-          busy_};
+          busy_,          order_replaced_one_,      orders_replaced_};
+}
+
+StationStatus Station::keep_status() {
+  const std::lock_guard lock(mutex_);
+  status_ = status_now();
+  return status_;
 }
 
 void Station::tell_status() {
   progress_.fetch_add(1, std::memory_order_relaxed);
-  const StationStatus status = status_now();
-  {
-    const std::lock_guard lock(mutex_);
-    status_ = status;
-  }
+  const StationStatus status = keep_status();
   for (StationSink* sink : parts_.sinks) sink->on_status(status);
 }
 

@@ -1,7 +1,8 @@
 // The cycle's thread: takes orders from the PLC, from the control socket and from itself (free
 // running), has them carried out one after the other and hands each answer to the sinks. Every
 // order that is taken gets exactly one answer. Of the PLC's orders that arrive during a cycle the
-// newest is taken when it ends. Allocates nothing after construction. Thread-safe.
+// newest is taken when it ends; the others are never taken, counted, and the one that took their
+// place says so. Allocates nothing after construction. Thread-safe.
 #pragma once
 
 #include <condition_variable>
@@ -22,6 +23,9 @@ struct StationStatus {
   // The last order that was taken, and whether it is still being carried out.
   Order order;
   bool busy = false;
+  // Of the PLC: the last order took the place of others that waited, and how often that happened.
+  bool order_replaced_one = false;
+  std::uint64_t orders_replaced = 0;
 };
 
 // Who gets the answers. Called on the cycle's thread: must neither block nor allocate.
@@ -80,7 +84,8 @@ class Station {
   void carry_out(const Order& order);
   void take_over_reload();
   void tell_status();
-  StationStatus status_now() const;
+  StationStatus status_now() const;  // mutex_ is held
+  StationStatus keep_status();
 
   const StationParts parts_;
   Cycle cycle_;
@@ -91,13 +96,15 @@ class Station {
   bool started_ = false, stopping_ = false;
   bool plc_lost_ = false;
   std::optional<Order> plc_order_, control_order_;
+  bool plc_order_replaced_one_ = false;
+  std::uint64_t orders_replaced_ = 0;
   std::optional<Reload> reload_;
   bool reload_fresh_ = false;
   StationStatus status_;  // as last told
 
   // The thread's own.
   Order order_;
-  bool busy_ = false, plc_lost_seen_ = false;
+  bool busy_ = false, plc_lost_seen_ = false, order_replaced_one_ = false;
   std::int64_t free_run_due_ns_ = 0;
   std::uint32_t free_run_sequence_ = 0;
 

@@ -1,5 +1,7 @@
 #include "replay/replay_camera.hpp"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
@@ -18,13 +20,17 @@ using Clock = std::chrono::steady_clock;
 
 // Decoded frames that wait: enough for a decoder that is interrupted now and then.
 constexpr std::size_t kAheadMax = 3;
+// The reader looks so often whether a frame was taken. It is not woken for that: who took the frame
+// is about to compute, and would wait for its processor until the reader's work is done.
+constexpr std::chrono::milliseconds kReaderPeriod{10};
 // Where the recording has no times.
 constexpr double kFrameRate_hz = 10;
 
 struct DecodedFrame {
-  std::optional<LoadedFrame> loaded;  // nothing: the file cannot be read
+  std::optional<LoadedFrame> loaded;  // nothing: the file cannot be read, or it was filled
   std::int64_t device_ns = 0;
   std::uint64_t sequence = 0;  // from 1, over all rounds
+  FrameRef filled;             // the same, in the pool; empty: it had no room yet
 };
 
 std::int64_t steady_ns() {
@@ -56,9 +62,11 @@ class ReplayCamera final : public Camera {
     int im_id;
   };
   void read_ahead();
+  bool wants_filling() const;  // mutex_ is held
   DecodedFrame decode(std::uint64_t index) const;
   std::int64_t due_after_ns(std::uint64_t index) const;
-  Result<FrameRef> hand_on(const DecodedFrame& decoded);
+  void fill(DecodedFrame& decoded);
+  Result<FrameRef> hand_on(DecodedFrame decoded);
   Error drop(DropReason reason);
 
   CameraSpec spec_;
@@ -74,6 +82,8 @@ class ReplayCamera final : public Camera {
   std::condition_variable changed_;
   std::deque<DecodedFrame> ahead_;
   bool end_ = false, read_all_ = false;
+  std::uint64_t fill_tried_ = 0;  // sequence of the last frame that was to be filled ahead
+  bool filling_ = false;          // the first in the queue; it stays there meanwhile
   CameraCounters counters_;
   std::thread reader_;
 };
@@ -82,6 +92,7 @@ void ReplayCamera::start(FramePool& pool) {
   stop();
   pool_ = &pool;
   end_ = read_all_ = false;
+  fill_tried_ = 0;
   triggers_ = 0;
   counters_ = {};
   begun_ = Clock::now();
@@ -114,18 +125,41 @@ DecodedFrame ReplayCamera::decode(std::uint64_t index) const {
   return decoded;
 }
 
+bool ReplayCamera::wants_filling() const {
+  return !ahead_.empty() && ahead_.front().loaded && ahead_.front().sequence > fill_tried_;
+}
+
+// The reader's thread: copies the frame that comes next into the pool, so that nobody waits for
+// that, and decodes those after it.
 void ReplayCamera::read_ahead() {
-  for (std::uint64_t index = 0; spec_.loop || index < frames_.size(); ++index) {
-    DecodedFrame decoded = decode(index);
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return end_ || ahead_.size() < kAheadMax; });
+  pthread_setname_np(pthread_self(), "replay-reader");
+  std::uint64_t index = 0;
+  const auto more = [&] { return spec_.loop || index < frames_.size(); };
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    const auto has_work = [&] {
+      return end_ || wants_filling() || (more() && ahead_.size() < kAheadMax);
+    };
+    while (!changed_.wait_for(lock, kReaderPeriod, has_work)) {
+    }
     if (end_) return;
-    ahead_.push_back(std::move(decoded));
+    if (wants_filling()) {
+      DecodedFrame& first = ahead_.front();  // nobody takes it meanwhile
+      fill_tried_ = first.sequence;
+      filling_ = true;
+      lock.unlock();
+      if (pool_->free_count() > 0) fill(first);
+      lock.lock();
+      filling_ = false;
+    } else {
+      lock.unlock();
+      DecodedFrame decoded = decode(index++);
+      lock.lock();
+      ahead_.push_back(std::move(decoded));
+      read_all_ = !more();
+    }
     changed_.notify_all();
   }
-  const std::lock_guard lock(mutex_);
-  read_all_ = true;
-  changed_.notify_all();
 }
 
 // From the start of the replay; the recording's own times where each frame has one.
@@ -158,7 +192,9 @@ Result<FrameRef> ReplayCamera::wait_frame(TimePoint deadline) {
   DecodedFrame decoded;
   {
     std::unique_lock lock(mutex_);
-    if (!changed_.wait_until(lock, deadline, [&] { return !ahead_.empty() || read_all_; }))
+    if (ahead_.empty()) changed_.notify_all();
+    if (!changed_.wait_until(lock, deadline,
+                             [&] { return !filling_ && (!ahead_.empty() || read_all_); }))
       return Error{ErrorCode::kSensorTimeout, 0, "recording"};
     if (ahead_.empty()) return Error{ErrorCode::kSensorEnd, 0, "recording"};
     if (spec_.trigger != TriggerSource::kSoftware && spec_.paced) {
@@ -169,21 +205,21 @@ Result<FrameRef> ReplayCamera::wait_frame(TimePoint deadline) {
       std::this_thread::sleep_until(in_time ? due : deadline);
       if (!in_time) return Error{ErrorCode::kSensorTimeout, 0, "recording"};
       lock.lock();
+      changed_.wait(lock, [&] { return !filling_; });
     }
     decoded = std::move(ahead_.front());
     ahead_.pop_front();
   }
-  changed_.notify_all();
   triggers_ = 0;
-  return hand_on(decoded);
+  return hand_on(std::move(decoded));
 }
 
-Result<FrameRef> ReplayCamera::hand_on(const DecodedFrame& decoded) {
-  if (!decoded.loaded) return drop(DropReason::kIncomplete);
+// Leaves it empty where the pool has no room.
+void ReplayCamera::fill(DecodedFrame& decoded) {
   const Frame view = decoded.loaded->view();
-  if (!pool_->fits(view.camera.width, view.camera.height)) return drop(DropReason::kSize);
+  if (!pool_->fits(view.camera.width, view.camera.height)) return;
   FrameRef ref = pool_->try_take();
-  if (!ref) return drop(DropReason::kPoolEmpty);
+  if (!ref) return;
   FrameSlot& slot = ref.slot();
   std::copy(decoded.loaded->depth_mm.begin(), decoded.loaded->depth_mm.end(),
             slot.depth_mm.begin());
@@ -192,12 +228,24 @@ Result<FrameRef> ReplayCamera::hand_on(const DecodedFrame& decoded) {
   slot.frame = view;
   slot.frame.depth_mm.data = slot.depth_mm.data();
   if (!view.intensity.empty()) slot.frame.intensity.data = slot.intensity.data();
-  slot.frame.capture_ns = steady_ns();
   slot.frame.device_ns = decoded.device_ns;
   slot.frame.sequence = decoded.sequence;
+  decoded.filled = std::move(ref);
+  decoded.loaded.reset();  // so that what is held does not depend on who is how fast
+}
+
+Result<FrameRef> ReplayCamera::hand_on(DecodedFrame decoded) {
+  if (!decoded.filled) {
+    if (!decoded.loaded) return drop(DropReason::kIncomplete);
+    const Frame view = decoded.loaded->view();
+    if (!pool_->fits(view.camera.width, view.camera.height)) return drop(DropReason::kSize);
+    fill(decoded);
+  }
+  if (!decoded.filled) return drop(DropReason::kPoolEmpty);
+  decoded.filled.slot().frame.capture_ns = steady_ns();
   const std::lock_guard lock(mutex_);
   ++counters_.frames;
-  return ref;
+  return std::move(decoded.filled);
 }
 
 Error ReplayCamera::trigger() {

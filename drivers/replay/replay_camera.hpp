@@ -1,6 +1,6 @@
 // Recorded frames as a camera: a folder in the BOP layout, all scenes in order, once or for ever,
-// by the recording's times or as fast as asked for. A reader thread decodes a few frames ahead, and
-// it alone allocates; wait_frame copies into the pool.
+// by the recording's times or as fast as asked for. A reader thread decodes a few frames ahead and
+// copies the next one into the pool; it alone allocates.
 #pragma once
 
 #include <memory>

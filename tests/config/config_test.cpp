@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "config/config_file.hpp"
+#include "config/config_writer.hpp"
 #include "temporary_folder.hpp"
 
 namespace binpick::app {
@@ -49,7 +50,7 @@ TEST(ConfigDocumentation, NamesEveryKeyExactlyAndItsDefault) {
   std::vector<ConfigFault> faults;
   const Config config = read_config_text(text_of(main), main, faults);
   for (const ConfigFault& fault : faults) EXPECT_THAT(fault.message, HasSubstr("must "));
-  const ConfigChanges changes = compare(Config{}, config);
+  const ConfigChanges changes = compare(Config{}, config, {});
   EXPECT_THAT(changes.live, IsEmpty());
   EXPECT_THAT(changes.restart, IsEmpty());
 
@@ -59,8 +60,8 @@ TEST(ConfigDocumentation, NamesEveryKeyExactlyAndItsDefault) {
   Config documented, defaults;
   documented.recipes = {read_recipe_text(text_of(recipe_file), recipe_file, faults)};
   defaults.recipes = {RecipeConfig{}};
-  EXPECT_THAT(compare(defaults, documented).live, IsEmpty());
-  EXPECT_THAT(compare(defaults, documented).restart, IsEmpty());
+  EXPECT_THAT(compare(defaults, documented, {}).live, IsEmpty());
+  EXPECT_THAT(compare(defaults, documented, {}).restart, IsEmpty());
 }
 
 TEST(Config, ReadsEachKind) {
@@ -181,10 +182,10 @@ TEST(ConfigFiles, RefusesWhatDoesNotFitTogether) {
   f.write("binpick.toml", std::string(kTwoRecipes) + "station.recipe = 9\n");
   f.write("a.toml", "number = 1\nmodels = ['m']\nroi_px = [1000, 0, 300, 200]\n");
   f.write("b.toml", "number = 1\nmodels = ['m']\npicks_max = 65\n");
-  EXPECT_THAT(f.error(), HasSubstr("a.toml: roi_px: reaches beyond"));
-  EXPECT_THAT(f.error(), HasSubstr("b.toml: number: is that of "));
-  EXPECT_THAT(f.error(), HasSubstr("b.toml: picks_max: is more than"));
-  EXPECT_THAT(f.error(), HasSubstr("station.recipe: no recipe has the number 9"));
+  EXPECT_THAT(f.error(), HasSubstr("a.toml:3:1: roi_px: reaches beyond"));
+  EXPECT_THAT(f.error(), HasSubstr("b.toml:1:1: number: is that of "));
+  EXPECT_THAT(f.error(), HasSubstr("b.toml:3:1: picks_max: is more than"));
+  EXPECT_THAT(f.error(), HasSubstr("binpick.toml:3:9: station.recipe: no recipe has the number 9"));
 }
 
 TEST(ConfigChanges, KnowsWhatNeedsARestart) {
@@ -194,9 +195,55 @@ TEST(ConfigChanges, KnowsWhatNeedsARestart) {
   b.sensor.width_max = 640;
   b.recipes[0].min_score = 0.6;
   b.recipes[0].number = 2;
-  const ConfigChanges changes = compare(a, b);
+  const ConfigChanges changes = compare(a, b, {});
   EXPECT_THAT(changes.live, ElementsAre("station.deadline_ms", "recipe 0: min_score"));
   EXPECT_THAT(changes.restart, ElementsAre("sensor.width_max", "recipe 0: number"));
+}
+
+TEST(Config, ComesBackAsItWasWritten) {
+  Config a;
+  a.sensor.uri = "replay:a \"quoted\" \\ name\twith\x7F more";
+  a.sensor.gain = 0.1;
+  a.station.recipes = {"one.toml", "/two.toml"};
+  a.station.T_base_cam.position_mm = {1, -1e-9, 12345.678901234567};
+  a.station.ranking = Ranking::kHighBase;
+  a.modbus.allow = {"10.0.0.0/8"};
+  a.modbus.encoding.word_order = modbus::map::WordOrder::kDcba;
+  a.threads.cpus = {0, 3};
+  a.recorder.mode = RecordMode::kAlways;
+  a.recipes.resize(1);
+  a.recipes[0].number = 65535;
+  a.recipes[0].models = {"a.bpm", "b.bpm"};
+  a.recipes[0].roi_px = {1, 2, 300, 400};
+  std::vector<ConfigFault> faults;
+  Config b = read_config_text(written_config(a), "a", faults);
+  b.recipes = {read_recipe_text(written_recipe(a.recipes[0]), "r", faults)};
+  for (const ConfigFault& fault : faults) ADD_FAILURE() << fault.text();
+  const ConfigChanges changes = compare(a, b, {});
+  EXPECT_THAT(changes.live, IsEmpty());
+  EXPECT_THAT(changes.restart, IsEmpty());
+}
+
+TEST(Config, ARegionIsLiveAsFarAsTheMemoryGoes) {
+  constexpr ReloadLimits kLimits{640, 480, 320, 240};
+  Config a;
+  a.recipes.resize(1);
+  a.recipes[0].roi_px = {10, 10, 320, 240};
+  const auto live = [&](const std::array<double, 4>& roi_px) {
+    Config running = a, wanted = a;
+    wanted.recipes[0].roi_px = roi_px;
+    const ConfigChanges changes = compare(running, wanted, kLimits);
+    take_live_values(running, wanted, kLimits);
+    const bool taken = running.recipes[0].roi_px == roi_px;
+    EXPECT_THAT(taken ? changes.live : changes.restart, ElementsAre("recipe 0: roi_px"));
+    EXPECT_THAT(taken ? changes.restart : changes.live, IsEmpty());
+    return taken;
+  };
+  EXPECT_TRUE(live({200, 100, 320, 240}));
+  EXPECT_TRUE(live({200, 100, 16, 16}));
+  EXPECT_FALSE(live({0, 0, 321, 240}));
+  EXPECT_FALSE(live({0, 0, 320, 241}));
+  EXPECT_FALSE(live({0, 0, 0, 0})) << "the whole image";
 }
 
 }  // namespace

@@ -127,6 +127,26 @@ class Handshake(unittest.TestCase):
         self.assertEqual(faults, [])
         self.assertGreater(len(seen), 20)
 
+    def test_a_command_that_is_replaced_is_told(self):
+        """Of two that wait the newer one is taken and says that it took a place."""
+        for _ in range(20):  # until both came while the first one ran
+            self.plc.write(sp.DETECT)
+            replaced = self.plc.write(sp.NEXT_PAGE)
+            newest = self.plc.write(sp.CAPTURE)
+            acknowledged, answer = set(), None
+            while answer is None or answer[sp.RESULT_COMMAND] != newest:
+                answer = self.plc.read()
+                acknowledged.add(answer[sp.ACKNOWLEDGED])
+            if replaced not in acknowledged and answer[sp.STATE] & sp.COMMAND_REPLACED:
+                break
+        else:
+            self.fail("no command was ever replaced")
+        self.assertEqual(answer[sp.CAUSE], 1)
+        time.sleep(0.1)
+        self.assertTrue(self.plc.read()[sp.STATE] & sp.COMMAND_REPLACED, "it stays")
+        self.assertFalse(self.plc.command(sp.CAPTURE)[sp.STATE] & sp.COMMAND_REPLACED)
+        self.station.wait_log("replaced by newer ones")
+
     def test_free_run_counts_results_up(self):
         self.plc.command(sp.FREE_RUN_START)
         before = self.plc.read()[sp.RESULT]

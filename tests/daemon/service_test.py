@@ -147,6 +147,37 @@ class Reload(unittest.TestCase):
             for _ in range(2):
                 self.assertEqual(station.ask("detect")["picks"], [])
 
+    def test_a_region_moves_as_far_as_the_memory_goes(self):
+        def write(station, roi):
+            for name, number in (("tee.toml", 1), ("once.toml", 5)):
+                station.write(name, f'number = {number}\nmodels = ["{MODEL}"]\nmin_score = 0.4\n'
+                                    f"roi_px = {roi}\n")
+
+        def reload(station, roi, log):
+            write(station, roi)
+            station.process.send_signal(signal.SIGHUP)
+            station.wait_log(log)
+
+        def places():
+            """Of the picks of all frames, px."""
+            for _ in range(7):  # the recording's frames
+                for pick in station.ask("detect")["picks"]:
+                    x, y, z = (row[3] for row in pick["T_ref_pick"])
+                    yield 1908.6 * x / z + 633.2, 1907.9 * y / z + 518.4
+
+        with sp.Station(DAEMON, MODEL) as station:
+            write(station, [300, 300, 400, 400])
+            station.start()
+            self.assertTrue(any(u < 560 for u, _ in places()))
+            reload(station, [600, 350, 300, 400], "taken over: recipe 1: roi_px, recipe 5: roi_px")
+            moved = list(places())
+            self.assertGreater(len(moved), 5)
+            for u, v in moved:  # the model's origin is some px from its middle
+                self.assertTrue(560 < u < 940 and 310 < v < 790, (u, v))
+            reload(station, [600, 350, 401, 400],
+                   "needs a restart: recipe 1: roi_px, recipe 5: roi_px")
+            self.assertGreater(len(list(places())), 5)
+
     def test_a_bad_file_changes_nothing(self):
         with sp.Station(DAEMON, MODEL) as station:
             station.start()

@@ -19,8 +19,9 @@ ANSWER, COUNT = 100, 125
 STATE, HEARTBEAT, ACKNOWLEDGED, RESULT, RESULT_COMMAND, CAUSE = 8, 9, 10, 11, 12, 13
 REASONS, DETECTIONS, PICKS, PAGE, PAGE_PICKS, RECIPE, TAIL = 14, 15, 16, 17, 18, 19, 124
 DETECT, CAPTURE, PROCESS, SELECT_RECIPE, NEXT_PAGE = 1, 2, 3, 4, 5
-CLEAR_FAULT, FREE_RUN_START, FREE_RUN_STOP = 7, 8, 9
+TURN_PAGE, CLEAR_FAULT, FREE_RUN_START, FREE_RUN_STOP, FLUSH = 6, 7, 8, 9, 10
 READY, BUSY, FAULT, SENSOR_OK, PLC_LOST = 1 << 0, 1 << 1, 1 << 6, 1 << 8, 1 << 9
+COMMAND_REPLACED = 1 << 11
 
 
 def free_port():
@@ -90,12 +91,13 @@ class Station:
     def write(self, name, text):
         Path(self.folder, name).write_text(text)
 
-    def run(self, *arguments):
-        """To its end; for what does not serve."""
-        return subprocess.run([self.daemon, "--config", f"{self.folder}/binpick.toml", *arguments],
-                              capture_output=True, text=True, timeout=120, check=False)
+    def run(self, *arguments, under=()):
+        """To its end; for what does not serve. `under`: a program that starts it."""
+        return subprocess.run(
+            [*under, self.daemon, "--config", f"{self.folder}/binpick.toml", *arguments],
+            capture_output=True, text=True, timeout=120, check=False)
 
-    def start(self, watchdog_us=None, wait=True):
+    def start(self, watchdog_us=None, wait=True, under=()):
         environment = dict(os.environ, NOTIFY_SOCKET=self.manager.path)
         environment.pop("WATCHDOG_PID", None)
         if watchdog_us:
@@ -103,7 +105,7 @@ class Station:
         begun = time.monotonic()
         with open(f"{self.folder}/log", "ab") as log:
             self.process = subprocess.Popen(
-                [self.daemon, "--config", f"{self.folder}/binpick.toml"],
+                [*under, self.daemon, "--config", f"{self.folder}/binpick.toml"],
                 stderr=log, env=environment)
         if wait:
             self.manager.wait("READY=1")

@@ -2,6 +2,7 @@
 // that publishes answers and takes commands.
 #include <gtest/gtest.h>
 
+#include "command_inbox.hpp"
 #include "core/allocation_count.hpp"
 #include "fake_answers.hpp"
 #include "frames.hpp"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "modbus/command_inbox.hpp"
+#include "command_inbox.hpp"
 
 namespace binpick::modbus {
 namespace {

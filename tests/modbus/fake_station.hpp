@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <thread>
 
+#include "command_inbox.hpp"
 #include "modbus/server.hpp"
 
 namespace binpick::modbus {

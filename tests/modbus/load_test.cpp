@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "clock.hpp"
+#include "command_inbox.hpp"
 #include "fake_answers.hpp"
 #include "hostile_clients.hpp"
 #include "modbus/server.hpp"

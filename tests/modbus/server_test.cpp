@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "clock.hpp"
+#include "command_inbox.hpp"
 #include "fake_answers.hpp"
 #include "frames.hpp"
 #include "raw_client.hpp"

@@ -8,6 +8,7 @@ disk, the log.
 import json
 import re
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -98,7 +99,7 @@ class Operation(unittest.TestCase):
         (recording,) = self.recordings(station)
         done = self.replay(recording)
         self.assertEqual((done.returncode, done.stdout),
-                         (0, f"{len(answers)} cycles the same, 0 differ, 0 not compared\n"),
+                         (0, f"{len(answers)} answers the same, 0 differ, 0 not comparable\n"),
                          done.stderr)
 
         # Another threshold: what scored below it is gone, and the replay says so.
@@ -115,6 +116,86 @@ class Operation(unittest.TestCase):
         done = self.replay(recording)
         self.assertEqual(done.returncode, 0)
         self.assertIn("is not among the models of this replay", done.stderr)
+
+    def test_orders_beside_cycles_are_recorded_as_they_were_written(self):
+        station = self.start('mode = "always"')
+        plc = sp.Plc(station)
+        self.addCleanup(plc.close)
+        blocks = []
+        for number, (code, recipe, page) in enumerate((
+                (sp.DETECT, 0, 0), (sp.NEXT_PAGE, 0, 0), (sp.TURN_PAGE, 0, 1),
+                (sp.TURN_PAGE, 0, 99), (sp.SELECT_RECIPE, 5, 0), (sp.DETECT, 0, 0),
+                (sp.SELECT_RECIPE, 77, 0), (sp.CAPTURE, 0, 0), (sp.SELECT_RECIPE, 1, 0),
+                (sp.PROCESS, 0, 0),
+                (sp.NEXT_PAGE, 0, 0), (sp.CLEAR_FAULT, 0, 0), (sp.FLUSH, 0, 0),
+                (sp.PROCESS, 0, 0)), 1):
+            # With a heartbeat, and with what no command of this kind needs.
+            blocks.append([number, code, recipe, 0, 60000, page] + list(range(40, 53)) + [number])
+            self.assertFalse(plc.client.write_registers(0, blocks[-1], slave=1).isError())
+            plc.sequence = number
+            plc.wait()
+        lines = self.wait_for_lines(station, len(blocks))
+        station.stop()
+        self.assertEqual([line["command"] for line in lines], blocks)
+        self.assertEqual([line["record"] for line in lines], list(range(1, len(blocks) + 1)))
+        self.assertEqual([line["recipe_selected"] for line in lines], [1] * 4 + [5] * 4 + [1] * 6)
+        self.assertEqual([line["order"] for line in lines[:5]],
+                         ["detect", "next_page", "page", "page", "select_recipe"])
+        self.assertEqual([line["cause"] for line in lines[:7]], [1, 1, 1, 104, 1, 1, 101])
+        self.assertNotEqual(lines[1]["answer"][28:], lines[0]["answer"][28:], "another page")
+        (recording,) = self.recordings(station)
+        done = self.replay(recording)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertIn("not comparable: cycle 4: nothing_captured", done.stdout)
+        self.assertIn(f"{len(blocks) - 1} answers the same, 0 differ, 1 not comparable",
+                      done.stdout)
+        # Where the beginning is lost, so is what a page was of.
+        whole = (recording / "cycles.jsonl").read_text().splitlines(keepends=True)
+        (recording / "cycles.jsonl").write_text("".join(whole[1:]))
+        done = self.replay(recording)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        for text in ("cycle 1, next_page", "cycle 1, page", "cycle 1, select_recipe"):
+            self.assertIn(f"not comparable: {text}: what came before it is not in", done.stdout)
+        self.assertIn("8 answers the same, 0 differ, 5 not comparable", done.stdout)
+
+    def test_cycles_that_were_cut_short_are_told_by_number(self):
+        station = self.start('mode = "always"\ncycles = 32')
+        whole_ms = max(self.detect(station)["times_ms"]["total"] for _ in range(7))
+        cut = None
+        for percent in range(95, 5, -1):  # how long it takes depends on the machine
+            answer = station.ask(f"detect deadline_ms={max(1, int(whole_ms * percent / 100))}")
+            if answer["cause_name"] == "cut_short":
+                cut = answer["cycle"]
+                break
+        if cut is None:
+            self.skipTest("no deadline came between the first and the last verified pick")
+        station.ask("page 1")
+        self.detect(station)
+        self.wait_for_lines(station, cut + 2)
+        station.stop()
+        (recording,) = self.recordings(station)
+        for arguments in ((recording,), (recording, "--quiet")):
+            done = self.replay(*arguments)
+            self.assertEqual(done.returncode, 0, done.stdout)
+            self.assertIn(f"not comparable: cycle {cut}: cut_short\n", done.stdout)
+            self.assertIn(f"not comparable: cycle {cut}, page: what came before it", done.stdout)
+            self.assertRegex(done.stdout,
+                             r"(?m)^\d+ answers the same, 0 differ, \d+ not comparable$")
+
+    def test_what_is_in_effect_is_recorded_whatever_the_files_say(self):
+        station = self.start('mode = "always"')
+        station.write("binpick.toml",
+                      station.main.replace("[station]", "[station]\npicks_max = 32"))
+        station.write("tee.toml", Path(station.folder, "tee.toml").read_text() + "picks_max = 1\n")
+        station.process.send_signal(signal.SIGHUP)
+        station.wait_log("needs a restart: station.picks_max")
+        self.assertEqual(len(self.detect(station)["picks"]), 1)
+        self.assertGreater(len(station.ask("detect picks=9")["picks"]), 1)
+        self.wait_for_lines(station, 2)
+        station.stop()
+        done = self.replay(self.recordings(station)[-1])
+        self.assertEqual((done.returncode, done.stdout),
+                         (0, "2 answers the same, 0 differ, 0 not comparable\n"), done.stderr)
 
     def test_a_recording_is_a_sensor(self):
         station = self.start('mode = "always"')

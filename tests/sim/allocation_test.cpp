@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "core/allocation_count.hpp"
 #include "gev_bench.hpp"
-#include "own_allocations.hpp"
 #include "sensor/sensor_session.hpp"
 
 namespace binpick::drivers {

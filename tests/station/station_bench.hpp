@@ -87,20 +87,20 @@ struct StationBench {
     const DetectorLimits limits = recipes->limits();
     arena = std::make_unique<Arena>(Detector::footprint(recipes->models(), limits, {}, 1) +
                                     Station::footprint(config.station.picks_max));
-    detector = std::make_unique<Detector>(recipes->models(), limits, DetectorParams{}, pool,
-                                          monotonic_ns, *arena);
+    detector = std::make_unique<Detector>(recipes->models(), limits, DetectorParams{}, pool, clock,
+                                          *arena);
   }
   Cycle& cycle() {
     if (!recipes) make();
     if (!cycle_) {
       cycle_ = std::make_unique<Cycle>(
-          CycleParts{*recipes, *detector, source, monotonic_ns, nullptr, nullptr},
-          settings_of(config), config.station.picks_max, config.recipes[0].number, *arena);
+          CycleParts{*recipes, *detector, source, clock, nullptr, nullptr}, settings_of(config),
+          config.station.picks_max, config.recipes[0].number, *arena);
     }
     return *cycle_;
   }
   const CycleResult& run(Order order) {
-    order.received_ns = monotonic_ns();
+    order.received_ns = clock();
     return cycle().run(order);
   }
   const CycleResult& run(OrderCode code) {
@@ -111,6 +111,7 @@ struct StationBench {
 
   TemporaryFolder folder;
   Config config;
+  ClockFn clock = monotonic_ns;
   ScriptedSource source;
   SerialPool pool;
   std::unique_ptr<RecipeSet> recipes;

@@ -25,7 +25,7 @@ LIBRARIES = {  # first part of the path -> library
 }
 POSIX = ("sys", "unistd.h", "fcntl.h", "pthread.h", "signal.h", "poll.h", "dirent.h", "errno.h",
          "time.h", "sched.h", "dlfcn.h", "arpa", "netinet", "spawn.h", "stdio.h", "stdlib.h",
-         "ifaddrs.h", "malloc.h", "semaphore.h")
+         "ifaddrs.h", "malloc.h", "semaphore.h", "linux")
 # Core prints nothing, opens nothing, starts nothing and reads no clock.
 NOT_IN_CORE = {
     "iostream", "istream", "ostream", "fstream", "sstream", "strstream", "iomanip", "ios", "iosfwd",

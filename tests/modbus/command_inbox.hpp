@@ -1,27 +1,25 @@
-// The command on its way from the server's thread to the one that carries it out. One place: a
-// newer command replaces one that nobody took yet, which is counted. Thread-safe; the mutex is held
-// for a copy of forty bytes. No allocation.
+// The command on its way from the server's thread to a test's. One place: a newer command replaces
+// one that nobody took yet, which is counted. Thread-safe; the mutex is held for a copy of forty
+// bytes. No allocation.
 #pragma once
 
 #include <cstdint>
 #include <mutex>
 
-#include "modbus/command.hpp"
+#include "modbus/command_sink.hpp"
 #include "modbus/owned_fd.hpp"
 
 namespace binpick::modbus {
 
-class CommandInbox {
+class CommandInbox final : public CommandSink {
  public:
   CommandInbox();
 
-  void put(const TakenCommand& command);
+  void put(const TakenCommand& command) override;
   // False when there is none.
   bool take(TakenCommand& command);
   // Waits; false when none came in time.
   bool wait(TakenCommand& command, int timeout_ms);
-  // Readable while a command waits: for a loop that waits for other things too.
-  int ready_fd() const { return event_.get(); }
   std::uint64_t replaced_count() const;
 
  private:

@@ -1,4 +1,4 @@
-#include "modbus/command_inbox.hpp"
+#include "command_inbox.hpp"
 
 #include <poll.h>
 #include <sys/eventfd.h>
