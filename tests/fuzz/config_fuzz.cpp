@@ -25,11 +25,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   check(config.sensor.exposure_us >= 0 && config.sensor.exposure_us <= 1e7);
   check(config.modbus.port >= 0 && config.modbus.port <= 65535);
   for (const double v : config.station.T_base_cam.rotation_deg) check(v >= -360 && v <= 360);
-  const ConfigChanges changes = compare(Config{}, config);
+  const ReloadLimits limits{1280, 1024, 640, 512};
+  const ConfigChanges changes = compare(Config{}, config, limits);
   Config taken_over;
-  take_live_values(taken_over, config);
-  check(compare(taken_over, config).live.empty());
-  check(compare(taken_over, Config{}).live.size() == changes.live.size());
+  take_live_values(taken_over, config, limits);
+  check(compare(taken_over, config, limits).live.empty());
+  check(compare(taken_over, Config{}, limits).live.size() == changes.live.size());
   faults.clear();
   const RecipeConfig recipe = read_recipe_text(text, "fuzz.toml", faults);
   check(recipe.min_score >= 0 && recipe.min_score <= 1);
