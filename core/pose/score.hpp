@@ -1,9 +1,10 @@
 // From evidence to one number that means the same for every part: the probability that a pose is
 // right. Each kind of evidence is a term, the weighted sum of the terms is the log odds: a logistic
-// model, whose weights (score_weights.hpp) are fitted once, over piles of many plain parts that no
-// result is reported for, by tools/calibration. The terms are shares and logarithms of shares, or
-// pixels, so nothing in them depends on a part's size, its distance or the camera. Frames without
-// intensity have weights of their own: what they cannot show counts neither way.
+// model, whose weights (score_weights.hpp) are fitted once, over piles of plain parts, by
+// tools/calibration; none of the development piles' parts is among them. The terms are shares and
+// logarithms of shares, or pixels, so nothing in them depends on a part's size, its distance or the
+// camera. Frames without intensity have weights of their own: what they cannot show counts neither
+// way.
 #pragma once
 
 #include <array>

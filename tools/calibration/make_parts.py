@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes a dozen plain mechanical parts as meshes (mm), with their symmetries, for piles on which
-the score is fitted: plates, profiles, turned parts, blocks with pockets, rings. None of them is a
-part that results are reported for. Needs numpy and scipy.
+the score is fitted: plates, profiles, turned parts, blocks with pockets, rings. None of them is
+a part of the development piles. Needs numpy and scipy.
 
 usage: make_parts.py FOLDER      writes obj_NNNNNN.ply and models_info.json
 """
