@@ -2,22 +2,17 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
-#include <new>
 #include <string>
 
-#include "binpick/drivers/loaded_frame.hpp"
 #include "binpick/drivers/open_camera.hpp"
 #include "config/config_file.hpp"
 #include "daemon/daemon.hpp"
 #include "daemon/thread_setup.hpp"
+#include "exit_status.hpp"
 #include "sensor/sensor_spec.hpp"
-#include "setup_error.hpp"
 
 namespace binpick::app {
 namespace {
-
-// 78 is EX_CONFIG: starting again with the same input is useless, and the unit does not.
-enum ExitStatus : int { kDone = 0, kFailure = 1, kUsage = 2, kCannotStart = 78 };
 
 struct Arguments {
   std::string config = "/etc/binpick/binpick.toml";
@@ -84,15 +79,7 @@ int main(int argc, char** argv) {
   using namespace binpick;
   try {
     return app::run(argc, argv);
-  } catch (const app::ConfigError& e) {
-    return app::report(app::kCannotStart, e.what());
-  } catch (const app::SetupError& e) {
-    return app::report(app::kCannotStart, e.what());
-  } catch (const drivers::DatasetError& e) {
-    return app::report(app::kCannotStart, e.what());
-  } catch (const std::bad_alloc&) {
-    return app::report(app::kFailure, "out of memory");
   } catch (const std::exception& e) {
-    return app::report(app::kFailure, e.what());
+    return app::report(app::status_of(e), app::text_of(e));
   }
 }

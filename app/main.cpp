@@ -4,22 +4,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
-#include <new>
 #include <string>
 
-#include "binpick/drivers/camera.hpp"
-#include "binpick/drivers/loaded_frame.hpp"
 #include "binpick/train/errors.hpp"
 #include "cli/commands.hpp"
-#include "config/config_file.hpp"
-#include "setup_error.hpp"
+#include "exit_status.hpp"
 
 namespace binpick::app {
 namespace {
-
-// What the exit status tells a script. 78 is EX_CONFIG: trying again with the same input is
-// useless.
-enum ExitStatus : int { kFailure = 1, kUsage = 2, kCannotStart = 78 };
 
 int report(ExitStatus status, std::string message) {
   std::replace(message.begin(), message.end(), '\n', ' ');
@@ -69,19 +61,9 @@ int main(int argc, char** argv) {
   using namespace binpick;
   try {
     return app::run(argc, argv);
-  } catch (const app::ConfigError& e) {
-    return app::report(app::kCannotStart, e.what());
-  } catch (const app::SetupError& e) {
-    return app::report(app::kCannotStart, e.what());
-  } catch (const drivers::DatasetError& e) {
-    return app::report(app::kCannotStart, e.what());
-  } catch (const drivers::SensorError& e) {
-    return app::report(app::kFailure, e.what());  // it may be there the next time
   } catch (const train::ImportError& e) {
     return app::report(app::kCannotStart, e.what());
-  } catch (const std::bad_alloc&) {
-    return app::report(app::kFailure, "out of memory");
   } catch (const std::exception& e) {
-    return app::report(app::kFailure, e.what());
+    return app::report(app::status_of(e), app::text_of(e));
   }
 }

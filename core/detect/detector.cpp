@@ -9,7 +9,6 @@
 #include "pose/explain.hpp"
 #include "pose/hypothesis.hpp"
 #include "pose/ray_pose.hpp"
-#include "pose/score.hpp"
 #include "pose/screen.hpp"
 #include "search/tree_search.hpp"
 
@@ -205,7 +204,7 @@ void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, i
       drop(DropReason::kTooHidden);
     } else if (e.contradicted > e.measured) {
       drop(DropReason::kContradicted);
-    } else if (score_of(h) < request.min_score) {
+    } else if (h.score < request.min_score) {
       drop(DropReason::kBelowMinScore);
     } else if (ownership.owned_share(model, scene, h.T_cam_centre) > kOwnedShareMax) {
       drop(DropReason::kOverlapsBetter);
@@ -228,7 +227,7 @@ Detection Detector::Impl::detection_of(const Hypothesis& h) const {
   d.T_cam_obj = h.T_cam_centre;
   d.T_cam_obj.t_mm -= h.T_cam_centre.R * centre_offset(model);
   d.score_terms = terms_of(h);
-  d.score = score_of(h);
+  d.score = h.score;
   d.visible_fraction = h.evidence.visible_fraction();
   d.depth_support = h.evidence.depth_support();
   d.contour_support = h.evidence.contour_support();

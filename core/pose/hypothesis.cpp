@@ -53,10 +53,6 @@ ScoreTerms terms_of(const Hypothesis& h) {
   return score_terms(h.evidence, static_cast<double>(h.candidate.score) / kScoreOne);
 }
 
-double score_of(const Hypothesis& h) {
-  return probability(terms_of(h), h.evidence.with_intensity);
-}
-
 bool better_hypothesis(const Hypothesis& a, const Hypothesis& b) {
   if (a.alive != b.alive) return a.alive;
   if (a.rank != b.rank) return a.rank > b.rank;
@@ -109,7 +105,8 @@ void run_refine(const PoseContext& context, std::span<Hypothesis> hypotheses) {
 void run_verify(const PoseContext& context, std::span<Hypothesis> hypotheses) {
   for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
     h.evidence = verify(model, context.scene, h.T_cam_centre);
-    h.rank = h.evidence.explained_mm2 * score_of(h);
+    h.score = probability(terms_of(h), h.evidence.with_intensity);
+    h.rank = h.evidence.explained_mm2 * h.score;
   });
 }
 

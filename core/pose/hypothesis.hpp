@@ -17,7 +17,8 @@ struct Hypothesis {
   Candidate candidate;
   Pose T_cam_centre;
   Evidence evidence;
-  double rank = 0;  // what the list is ordered by
+  double score = 0;  // probability that the pose is right, once it is verified
+  double rank = 0;   // what the list is ordered by
   bool alive = true;
   DropReason drop_reason = DropReason::kDuplicate;  // where not alive
 
@@ -28,7 +29,6 @@ struct Hypothesis {
 };
 
 ScoreTerms terms_of(const Hypothesis& h);
-double score_of(const Hypothesis& h);  // probability that its pose is right
 // Living before dropped, then by rank; a total order.
 bool better_hypothesis(const Hypothesis& a, const Hypothesis& b);
 // Whether two poses of one model differ by less than the limits.

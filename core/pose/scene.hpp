@@ -25,6 +25,11 @@ struct Scene {
   // Its random part, which averages out over a surface.
   double depth_noise_mm(double depth_mm) const { return 0.5 * depth_mm / intensity.camera.fx; }
 
+  // At a pixel of the depth level; 0 where there is no measurement, and outside.
+  double depth_at(int u, int v) const {
+    const bool inside = u >= 0 && v >= 0 && u < depth.width && v < depth.height;
+    return inside ? static_cast<double>(depth.depth_mm[v * depth.stride + u]) : 0.0;
+  }
   // What the depth level shows where a point projects to.
   struct Measurement {
     int u, v;         // nearest pixel; may lie outside the image
@@ -33,16 +38,14 @@ struct Scene {
   Measurement measured_at(const Vec3& point_cam) const {
     const Vec2 uv = depth.camera.project(point_cam);
     const int u = static_cast<int>(std::lround(uv.x())), v = static_cast<int>(std::lround(uv.y()));
-    const bool inside = u >= 0 && v >= 0 && u < depth.width && v < depth.height;
-    return {u, v, inside ? static_cast<double>(depth.depth_mm[v * depth.stride + u]) : 0.0};
+    return {u, v, depth_at(u, v)};
   }
   // Measured depth at a pixel of level 0; 0 where there is none.
   double measured_px(const Vec2& pixel) const {
     const double scale = 1 << kFeatureLevel;
     const int u = static_cast<int>(std::lround((pixel.x() + 0.5) / scale - 0.5));
     const int v = static_cast<int>(std::lround((pixel.y() + 0.5) / scale - 0.5));
-    const bool inside = u >= 0 && v >= 0 && u < depth.width && v < depth.height;
-    return inside ? static_cast<double>(depth.depth_mm[v * depth.stride + u]) : 0.0;
+    return depth_at(u, v);
   }
   // Area in the image of what faces the camera at this depth.
   double px2_per_mm2(double depth_mm) const {

@@ -13,7 +13,6 @@ thread that grabs calls them, so that only the station's own code must not alloc
 
 import os
 import random
-import socket
 import struct
 import subprocess
 import sys
@@ -88,17 +87,6 @@ class Looks:
         self.samples.append((time.monotonic(), *self.status()))
 
 
-def metrics(station):
-    with socket.socket(socket.AF_UNIX) as client:
-        client.settimeout(30)
-        client.connect(f"{station.folder}/metrics")
-        client.sendall(b"GET /metrics HTTP/1.0\r\n\r\n")
-        text = b""
-        while piece := client.recv(65536):
-            text += piece
-    return text.decode()
-
-
 def metric(text, name):
     return float(next(line.split()[-1] for line in text.splitlines() if line.startswith(name)))
 
@@ -160,7 +148,7 @@ def main():
     faults = []
     with start(daemon, model, counter, uri) as station:
         warm = soak(binpick, station, WARM_CYCLES)
-        metrics(station)
+        station.metrics()
         if warm.wait(600) != 0:
             sys.exit("the warm-up failed:\n" + warm.stdout.read())
         looks = Looks(station.process.pid, f"{station.folder}/allocations")
@@ -170,7 +158,7 @@ def main():
         run = soak(binpick, station, cycles)
         while run.poll() is None:
             looks.sample()
-            text = metrics(station)
+            text = station.metrics()
             time.sleep(2)
         took_s = time.monotonic() - begun
         after = looks.allocations()

@@ -8,7 +8,6 @@ goes on, or does not start, as it is configured; and what is granted is in effec
 import os
 import re
 import shutil
-import socket
 import sys
 import time
 import unittest
@@ -33,14 +32,7 @@ def station_with(memory="lock = false", threads=""):
 
 def refused(station, setting):
     """The metric."""
-    with socket.socket(socket.AF_UNIX) as client:
-        client.settimeout(60)
-        client.connect(f"{station.folder}/metrics")
-        client.sendall(b"GET /metrics HTTP/1.0\r\n\r\n")
-        text = b""
-        while piece := client.recv(65536):
-            text += piece
-    return re.search(rf'binpick_setting_refused{{setting="{setting}"}} (\d)', text.decode())[1]
+    return re.search(rf'binpick_setting_refused{{setting="{setting}"}} (\d)', station.metrics())[1]
 
 
 OTHERS = ("binpickd", "modbus", "modbus-link", "sensor")

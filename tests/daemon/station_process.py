@@ -119,6 +119,17 @@ class Station:
                 raise AssertionError(f"not in the log: {text}\n{self.log()}")
             time.sleep(0.02)
 
+    def metrics(self):
+        """What `listen = "FOLDER/metrics"` gives, as text."""
+        with socket.socket(socket.AF_UNIX) as client:
+            client.settimeout(60)
+            client.connect(f"{self.folder}/metrics")
+            client.sendall(b"GET /metrics HTTP/1.0\r\n\r\n")
+            text = b""
+            while piece := client.recv(65536):
+                text += piece
+        return text.decode()
+
     def log(self):
         return Path(self.folder, "log").read_text()
 

@@ -9,7 +9,6 @@ import json
 import re
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -70,15 +69,8 @@ class Operation(unittest.TestCase):
                               text=True, timeout=600, check=False)
 
     def metrics(self, station):
-        with socket.socket(socket.AF_UNIX) as client:
-            client.settimeout(60)
-            client.connect(f"{station.folder}/metrics")
-            client.sendall(b"GET /metrics HTTP/1.0\r\n\r\n")
-            text = b""
-            while piece := client.recv(65536):
-                text += piece
         return {name: float(value) for name, value
-                in re.findall(r"(?m)^(binpick_\S+) (\S+)$", text.decode())}
+                in re.findall(r"(?m)^(binpick_\S+) (\S+)$", station.metrics())}
 
     def test_recorded_cycles_replay_to_the_same_registers(self):
         station = self.start('mode = "always"')

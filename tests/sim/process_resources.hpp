@@ -1,6 +1,10 @@
 // What a process holds, for tests that nothing is left behind.
 #pragma once
 
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -18,6 +22,22 @@ inline long resident_pages() {
   long size = 0, resident = 0;
   statm >> size >> resident;
   return resident;
+}
+
+// Of 100 runs of `cycle`, after the first 20: until then the allocator takes what it will keep.
+template <class Cycle>
+void expect_a_hundred_leave_nothing(Cycle&& cycle) {
+  for (int i = 0; i < 20; ++i) cycle();
+  const int threads = entries_of("/proc/self/task"), descriptors = entries_of("/proc/self/fd");
+  const long pages = resident_pages();
+  for (int i = 0; i < 100; ++i) cycle();
+  EXPECT_EQ(entries_of("/proc/self/task"), threads);
+  EXPECT_EQ(entries_of("/proc/self/fd"), descriptors);
+  const long grown_kib = (resident_pages() - pages) * (getpagesize() / 1024);
+  std::printf("[ measured ] %ld KiB more after 100 starts\n", grown_kib);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  EXPECT_LT(grown_kib, 1024);
+#endif
 }
 
 }  // namespace binpick
