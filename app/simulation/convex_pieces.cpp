@@ -1,4 +1,4 @@
-#include "convex_pieces.hpp"
+#include "simulation/convex_pieces.hpp"
 
 #include <LinearMath/btConvexHullComputer.h>
 
@@ -8,7 +8,7 @@
 #include <map>
 #include <numbers>
 
-namespace binpick::sample {
+namespace binpick::simulation {
 namespace {
 
 using Eigen::Vector3d;
@@ -191,4 +191,4 @@ std::vector<ConvexPiece> convex_pieces(const TriangleMesh& mesh, const ConvexPie
   return pieces;
 }
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

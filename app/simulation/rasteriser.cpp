@@ -1,9 +1,9 @@
-#include "rasteriser.hpp"
+#include "simulation/rasteriser.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace binpick::sample {
+namespace binpick::simulation {
 namespace {
 
 constexpr double kNearMm = 10;
@@ -118,4 +118,4 @@ float ShadowMap::visibility(const Vec3& p_world, double bias_mm) const {
          b * ((1 - a) * seen(0, 1) + a * seen(1, 1));
 }
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

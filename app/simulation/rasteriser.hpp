@@ -7,7 +7,7 @@
 
 #include "binpick/geometry/pose.hpp"
 
-namespace binpick::sample {
+namespace binpick::simulation {
 
 // A pinhole view: u = fx x / z + cx, v = fy y / z + cy; integer (u, v) are pixel centres.
 struct View {
@@ -64,4 +64,4 @@ class ShadowMap {
   ZBuffer buffer_;
 };
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

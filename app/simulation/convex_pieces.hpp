@@ -5,9 +5,9 @@
 
 #include <vector>
 
-#include "triangle_mesh.hpp"
+#include "simulation/triangle_mesh.hpp"
 
-namespace binpick::sample {
+namespace binpick::simulation {
 
 using ConvexPiece = std::vector<Eigen::Vector3d>;  // corners of a convex hull, mm
 
@@ -22,4 +22,4 @@ std::vector<ConvexPiece> convex_pieces(const TriangleMesh& mesh, const ConvexPie
 
 double hull_volume(const std::vector<Eigen::Vector3d>& points);
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

@@ -1,9 +1,9 @@
-#include "random.hpp"
+#include "simulation/random.hpp"
 
 #include <cmath>
 #include <numbers>
 
-namespace binpick::sample {
+namespace binpick::simulation {
 namespace {
 
 std::uint32_t mix(std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_t seed) {
@@ -91,4 +91,4 @@ float pixel_noise(float x, float y, std::uint32_t seed) {
   return value_noise(Eigen::Vector3f(x, y, 0.5f), seed);
 }
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

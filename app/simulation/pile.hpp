@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "binpick/geometry/pose.hpp"
-#include "convex_pieces.hpp"
-#include "random.hpp"
+#include "simulation/convex_pieces.hpp"
+#include "simulation/random.hpp"
 
-namespace binpick::sample {
+namespace binpick::simulation {
 
 // The inside of the bin, with the origin at the middle of its floor and z upwards; mm.
 struct BinSize {
@@ -33,4 +33,4 @@ std::vector<PlacedPart> make_pile(const std::vector<CollisionShape>& shapes,
                                   const std::vector<std::size_t>& kinds, const BinSize& bin,
                                   Rng rng);
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

@@ -1,12 +1,12 @@
-#include "frame_maker.hpp"
+#include "simulation/frame_maker.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "depth_sensor.hpp"
-#include "shading.hpp"
+#include "simulation/depth_sensor.hpp"
+#include "simulation/shading.hpp"
 
-namespace binpick::sample {
+namespace binpick::simulation {
 namespace {
 
 void grow(PixelBox& box, int x, int y) {
@@ -110,4 +110,4 @@ Frame FrameMaker::make(const std::vector<std::size_t>& kinds, std::uint64_t seed
   return frame;
 }
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "scene.hpp"
-#include "shading.hpp"
+#include "simulation/scene.hpp"
+#include "simulation/shading.hpp"
 
-namespace binpick::sample {
+namespace binpick::simulation {
 
 struct DepthSensorParams {
   double baseline_mm = 110;
@@ -40,4 +40,4 @@ std::vector<std::uint16_t> sense_depth(const Scene& scene, const View& view, con
                                        const Radiance& radiance, float exposure, const Roi& window,
                                        const DepthSensorParams& params, Rng rng);
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-namespace binpick::sample {
+namespace binpick::simulation {
 
 class Rng {
  public:
@@ -32,4 +32,4 @@ float cell_noise(const Eigen::Vector3f& p, std::uint32_t seed);
 // The same in the plane, for noise that belongs to image pixels.
 float pixel_noise(float x, float y, std::uint32_t seed);
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "scene.hpp"
+#include "simulation/scene.hpp"
 
-namespace binpick::sample {
+namespace binpick::simulation {
 
 struct PixelBox {
   int x = -1, y = -1, width = -1, height = -1;  // all -1 when there is no pixel
@@ -53,4 +53,4 @@ class FrameMaker {
   std::vector<double> fill_volumes_;  // mm3 of bin that one part takes up in a pile
 };
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

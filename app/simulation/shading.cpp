@@ -1,11 +1,11 @@
-#include "shading.hpp"
+#include "simulation/shading.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-namespace binpick::sample {
+namespace binpick::simulation {
 namespace {
 
 using Eigen::Vector3f;
@@ -241,4 +241,4 @@ std::vector<unsigned char> expose(const Radiance& radiance, const View& view, fl
   return gray;
 }
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "parts.hpp"
-#include "pile.hpp"
-#include "rasteriser.hpp"
+#include "simulation/part.hpp"
+#include "simulation/pile.hpp"
+#include "simulation/rasteriser.hpp"
 
-namespace binpick::sample {
+namespace binpick::simulation {
 
 // What a triangle of the soup belongs to, and what its surface looks like.
 struct Body {
@@ -47,4 +47,4 @@ View make_camera(const CameraParams& params, const BinSize& bin, Rng rng);
 // The upright rectangle about the bin's inside at the height of its rim, clipped to the image.
 Roi bin_roi(const View& view, const BinSize& bin, int margin_x, int margin_y);
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

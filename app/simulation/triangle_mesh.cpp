@@ -1,4 +1,4 @@
-#include "triangle_mesh.hpp"
+#include "simulation/triangle_mesh.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-namespace binpick::sample {
+namespace binpick::simulation {
 namespace {
 
 using Edge = std::pair<int, int>;
@@ -172,4 +172,4 @@ double winding_number(const TriangleMesh& mesh, const Eigen::Vector3d& point) {
   return angle / (4 * std::numbers::pi);
 }
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

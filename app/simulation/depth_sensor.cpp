@@ -1,9 +1,9 @@
-#include "depth_sensor.hpp"
+#include "simulation/depth_sensor.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace binpick::sample {
+namespace binpick::simulation {
 namespace {
 
 const Vec3 kProjectorInEye(50, -36, 4);  // mm, axes of the left eye
@@ -194,4 +194,4 @@ std::vector<std::uint16_t> sense_depth(const Scene& scene, const View& view, con
   return Matcher(scene, view, truth, radiance, exposure, window, params, rng).run();
 }
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

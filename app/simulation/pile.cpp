@@ -1,4 +1,4 @@
-#include "pile.hpp"
+#include "simulation/pile.hpp"
 
 #include <btBulletDynamicsCommon.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-namespace binpick::sample {
+namespace binpick::simulation {
 namespace {
 
 // Bullet's tolerances suit bodies of about one unit, so a unit is a tenth of a metre.
@@ -221,4 +221,4 @@ std::vector<PlacedPart> make_pile(const std::vector<CollisionShape>& shapes,
   return placed;
 }
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

@@ -1,10 +1,10 @@
-#include "scene.hpp"
+#include "simulation/scene.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-namespace binpick::sample {
+namespace binpick::simulation {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -141,4 +141,4 @@ Roi bin_roi(const View& view, const BinSize& bin, int margin_x, int margin_y) {
   return {x0, y0, x1 - x0 + 1, y1 - y0 + 1};
 }
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "scene.hpp"
+#include "simulation/scene.hpp"
 
-namespace binpick::sample {
+namespace binpick::simulation {
 
 // Light that leaves the surfaces, before exposure; 1 is what a white dull surface sends back when
 // the projector shines straight at it.
@@ -41,4 +41,4 @@ class Shader {
 std::vector<unsigned char> expose(const Radiance& radiance, const View& view, float exposure,
                                   Rng rng);
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

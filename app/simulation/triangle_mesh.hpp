@@ -3,10 +3,9 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <string>
 #include <vector>
 
-namespace binpick::sample {
+namespace binpick::simulation {
 
 using Triangle = std::array<int, 3>;
 
@@ -42,9 +41,4 @@ std::vector<std::array<Eigen::Vector3f, 3>> corner_normals(const TriangleMesh& m
 // and a usable answer for meshes with small holes.
 double winding_number(const TriangleMesh& mesh, const Eigen::Vector3d& point);
 
-// Any format assimp reads, taken as mm. Throws std::runtime_error naming the file.
-TriangleMesh read_mesh(const std::string& path);
-void write_ply(const TriangleMesh& mesh, const std::string& path);  // binary little-endian
-void write_stl(const TriangleMesh& mesh, const std::string& path);  // binary
-
-}  // namespace binpick::sample
+}  // namespace binpick::simulation
