@@ -12,7 +12,7 @@
 #include "cli/id_list.hpp"
 #include "cli/number_between.hpp"
 #include "cli/progress.hpp"
-#include "cli/template_options.hpp"
+#include "cli/training_options.hpp"
 #include "eval/eval_json.hpp"
 #include "eval/evaluation.hpp"
 #include "eval/report_html.hpp"
@@ -33,6 +33,7 @@ struct Options {
   double threshold = DetectRequest{}.min_score;
   EvalSettings settings;
   train::TrainOptions train;
+  TrialPlan trials{.test_piles = 0};
 };
 
 void write_text(const std::string& path, const std::string& text) {
@@ -41,25 +42,13 @@ void write_text(const std::string& path, const std::string& text) {
 
 // Notes and bars share the error stream: a note ends the bar, and the next progress begins another.
 EvalTalk terminal_talk() {
-  struct Bar {
-    std::string label;
-    std::unique_ptr<Progress> progress;
-  };
-  auto bar = std::make_shared<Bar>();
+  auto bar = std::make_shared<StepProgress>();
   EvalTalk talk;
   talk.note = [bar](const std::string& text) {
-    bar->progress.reset();
+    bar->finish();
     std::fprintf(stderr, "binpick: %s\n", text.c_str());
   };
-  talk.progress = [bar](const std::string& label, double share) {
-    if (!bar->progress || bar->label != label) {
-      bar->progress.reset();
-      bar->progress = std::make_unique<Progress>(label);
-      bar->label = label;
-    }
-    bar->progress->update(share);
-    if (share >= 1) bar->progress.reset();
-  };
+  talk.progress = [bar](const std::string& step, double share) { bar->update(step, share); };
   return talk;
 }
 
@@ -96,7 +85,8 @@ std::vector<ModelOrigin> search(const Options& options, const drivers::BopDatase
   std::vector<ModelOrigin> origins;
   for (const CameraGroup& group : plan.cameras) {
     const ModelSet models =
-        make_model_set({dataset, plan, group, parts, cache, options.train}, pool, talk, run.faults);
+        make_model_set({dataset, plan, group, parts, cache, options.train, options.trials}, pool,
+                       talk, run.faults);
     origins.insert(origins.end(), models.origins().begin(), models.origins().end());
     run_group(dataset, plan, group, models, options.settings, pool, talk, output, run);
   }
@@ -189,6 +179,7 @@ void add_eval_command(CLI::App& app, int& exit_status) {
       ->capture_default_str();
   command->add_option("--isa", o->isa, "best, scalar, sse4, avx2 or avx512")->capture_default_str();
   add_template_options(*command, o->train);
+  add_trial_options(*command, o->trials, false);
   command->callback([o, &exit_status] {
     take_settings(*o);
     exit_status = run(*o);

@@ -27,6 +27,23 @@ nlohmann::ordered_json to_json(const CountSummary& count) {
   return {{"min", count.min}, {"mean", count.mean}, {"max", count.max}};
 }
 
+nlohmann::ordered_json to_json(const ScoreCalibration& c) {
+  return {{"slope", c.slope}, {"offset", c.offset}};
+}
+
+nlohmann::ordered_json to_json(const ModelTrials& t) {
+  const SelfTestRecord& test = t.self_test;
+  return {{"calibration_piles", t.calibration_piles},
+          {"with_intensity", to_json(t.with_intensity)},
+          {"depth_alone", to_json(t.depth_alone)},
+          {"self_test",
+           {{"piles", test.piles},
+            {"instances", test.instances},
+            {"recall", test.recall},
+            {"precision", test.precision},
+            {"visible_fraction_min", test.visible_fraction_min}}}};
+}
+
 nlohmann::ordered_json to_json(const ModelFile& file) {
   const ModelInfo& i = file.model().info();
   nlohmann::ordered_json json = {{"file", file.path()},
@@ -59,6 +76,7 @@ nlohmann::ordered_json to_json(const ModelFile& file) {
                                  {"seed", i.seed},
                                  {"base_level", i.base_level},
                                  {"scan_depth", i.scan_depth},
+                                 {"trials", to_json(file.model().trials())},
                                  {"depths", nlohmann::ordered_json::array()}};
   for (const DepthSummary& depth : summarize_depths(file.model())) {
     json["depths"].push_back({{"viewpoints", depth.viewpoints},
@@ -82,6 +100,30 @@ void print_depths(const ObjectModel& model) {
                 number == model.info().scan_depth ? "  scanned" : "");
     ++number;
   }
+}
+
+void print(const ModelTrials& t) {
+  std::printf("%-20s ", "score");
+  if (t.calibration_piles == 0) {
+    std::printf("not calibrated\n");
+  } else {
+    std::printf(
+        "calibrated on %d simulated piles: slope %.2f, offset %+.2f (depth alone %.2f, %+.2f)\n",
+        t.calibration_piles, t.with_intensity.slope, t.with_intensity.offset, t.depth_alone.slope,
+        t.depth_alone.offset);
+  }
+  std::printf("%-20s ", "self-test");
+  const SelfTestRecord& test = t.self_test;
+  if (test.piles == 0) {
+    std::printf("none\n");
+    return;
+  }
+  std::printf("recall %.3f, precision %.3f of %d parts in %d simulated piles", test.recall,
+              test.precision, test.instances, test.piles);
+  if (test.visible_fraction_min < 1) {
+    std::printf("; half are found from %.0f %% visible", 100 * test.visible_fraction_min);
+  }
+  std::printf("\n");
 }
 
 void print(const ModelFile& file) {
@@ -113,6 +155,7 @@ void print(const ModelFile& file) {
   std::printf("%s codebook\n", codebook_name(i.normal_codebook));
   line("pyramid");
   std::printf("leaves at level %d, depth %d is scanned\n", i.base_level, i.scan_depth);
+  print(file.model().trials());
   print_depths(file.model());
 }
 

@@ -5,27 +5,13 @@
 
 #include "clock.hpp"
 #include "error_text.hpp"
+#include "sized_detector.hpp"
 
 namespace binpick::app {
 namespace {
 
 using drivers::FrameId;
 using drivers::LoadedFrame;
-
-// A detector and the memory it lives in, made for one image size.
-class SizedDetector {
- public:
-  SizedDetector(const ModelSet& models, const DetectorLimits& limits, const DetectorParams& params,
-                WorkerPool& pool)
-      : arena_(Detector::footprint(models.models(), limits, params, pool.thread_count())),
-        detector_(models.models(), limits, params, pool, &monotonic_ns, arena_) {}
-
-  Detector& detector() { return detector_; }
-
- private:
-  Arena arena_;
-  Detector detector_;
-};
 
 // The largest ROI of the group's frames; the whole image as soon as one frame has none.
 DetectorLimits limits_of(const EvalPlan& plan, const CameraGroup& group, const LoadedFrame& frame,
@@ -103,7 +89,7 @@ void run_group(const drivers::BopDataset& dataset, const EvalPlan& plan, const C
     std::unique_ptr<SizedDetector>& sized = detectors[{frame.camera.width, frame.camera.height}];
     if (!sized) {
       const DetectorLimits limits = limits_of(plan, group, frame, settings.max_results);
-      sized = std::make_unique<SizedDetector>(models, limits, settings.params, pool);
+      sized = std::make_unique<SizedDetector>(models.models(), limits, settings.params, pool);
     }
     DetectRequest request;
     request.model_indices = indices;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/depth_sensor.hpp"
 #include "simulation/shading.hpp"
 
 namespace binpick::simulation {
@@ -91,21 +90,22 @@ std::vector<std::size_t> FrameMaker::draw_kinds(const std::vector<std::size_t>& 
   return out;
 }
 
-Frame FrameMaker::make(const std::vector<std::size_t>& kinds, std::uint64_t seed) const {
+Frame FrameMaker::make(const std::vector<std::size_t>& kinds, std::uint64_t seed,
+                       const CameraParams& camera, const DepthSensorParams& sensor) const {
   Rng rng(seed);
   const std::vector<std::size_t> falling = draw_kinds(kinds, rng);
   const std::vector<PlacedPart> placed = make_pile(shapes_, falling, params_.bin, rng.fork(1));
   const Scene scene = make_scene(parts_, placed, params_.bin, rng.fork(2));
   Frame frame;
-  frame.view = make_camera(params_.camera, params_.bin, rng.fork(3));
+  frame.view = make_camera(camera, params_.bin, rng.fork(3));
   frame.roi = bin_roi(frame.view, params_.bin, 0, 0);
   const TrueView seen = make_true_view(scene, frame.view);
   const Radiance radiance = Shader(scene, frame.view, rng.fork(4)).render();
   const auto exposure = static_cast<float>(std::exp(0.18 * rng.normal()));
   frame.gray = expose(radiance, frame.view, exposure, rng.fork(5));
   const Roi window = bin_roi(frame.view, params_.bin, 100, 75);
-  frame.depth = sense_depth(scene, frame.view, seen, radiance, exposure, window,
-                            DepthSensorParams{}, rng.fork(6));
+  frame.depth =
+      sense_depth(scene, frame.view, seen, radiance, exposure, window, sensor, rng.fork(6));
   frame.instances = make_truth(scene, parts_, frame.view, seen, frame.depth);
   return frame;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "simulation/depth_sensor.hpp"
 #include "simulation/scene.hpp"
 
 namespace binpick::simulation {
@@ -26,12 +27,13 @@ struct Frame {
   View view;
   Roi roi{};
   std::vector<unsigned char> gray;
-  std::vector<std::uint16_t> depth;  // 0.1 mm
+  std::vector<std::uint16_t> depth;  // in units of the sensor, 0.1 mm
   std::vector<InstanceTruth> instances;
 };
 
 struct FrameParams {
   CameraParams camera;
+  DepthSensorParams sensor;
   BinSize bin;
   int part_count = 0;  // 0: as many as fill the bin well
 };
@@ -41,8 +43,14 @@ class FrameMaker {
   // Prepares the collision shapes, which takes some seconds per part.
   FrameMaker(const std::vector<Part>& parts, const FrameParams& params);
 
-  // A pile of the given kinds in about equal numbers; the same seed gives the same frame.
-  Frame make(const std::vector<std::size_t>& kinds, std::uint64_t seed) const;
+  // A pile of the given kinds in about equal numbers; the same seed gives the same frame. Safe to
+  // call from several threads at once.
+  Frame make(const std::vector<std::size_t>& kinds, std::uint64_t seed) const {
+    return make(kinds, seed, params_.camera, params_.sensor);
+  }
+  // The same seen by another camera and sensor.
+  Frame make(const std::vector<std::size_t>& kinds, std::uint64_t seed, const CameraParams& camera,
+             const DepthSensorParams& sensor) const;
 
  private:
   std::vector<std::size_t> draw_kinds(const std::vector<std::size_t>& kinds, Rng& rng) const;

@@ -99,7 +99,8 @@ View make_camera(const CameraParams& params, const BinSize& bin, Rng rng) {
   const double turn = kPi / 2 * quarters + rng.uniform(-0.09, 0.09);
   const double tilt = params.tilt_max_rad * std::sqrt(rng.uniform());
   const double tilt_to = rng.uniform(0, 2 * kPi);
-  const double distance = params.fx * bin.length / params.bin_length_px * rng.uniform(0.97, 1.04);
+  const double drawn = params.fx * bin.length / params.bin_length_px * rng.uniform(0.97, 1.04);
+  const double distance = params.distance_mm > 0 ? params.distance_mm : drawn;
   View view;
   view.width = params.width;
   view.height = params.height;

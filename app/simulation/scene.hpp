@@ -32,7 +32,8 @@ struct CameraParams {
   int width = 1280;
   int height = 1024;
   double fx = 1908.6, fy = 1907.9, cx = 633.2, cy = 518.4;
-  double bin_length_px = 700;  // about; fixes the distance
+  double bin_length_px = 700;  // about; fixes the distance, unless that is given
+  double distance_mm = 0;      // to the middle of the bin's rim; 0: by bin_length_px
   double tilt_max_rad = 0.26;
 };
 

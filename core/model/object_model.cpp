@@ -47,6 +47,18 @@ bool plausible(const ModelInfo& i) {
          static_cast<int>(i.normal_codebook) <= 1;
 }
 
+bool plausible(const ScoreCalibration& c) {
+  return finite_and_positive(c.slope) && c.slope <= 100 && std::abs(c.offset) <= 100;
+}
+
+bool plausible(const ModelTrials& t) {
+  const auto share = [](double value) { return value >= 0 && value <= 1; };
+  const SelfTestRecord& test = t.self_test;
+  return plausible(t.with_intensity) && plausible(t.depth_alone) && t.calibration_piles >= 0 &&
+         test.piles >= 0 && test.instances >= 0 && share(test.recall) && share(test.precision) &&
+         share(test.visible_fraction_min);
+}
+
 bool range_within(std::uint64_t first, std::uint64_t count, std::size_t size) {
   return first <= size && count <= size - first;
 }
@@ -85,9 +97,11 @@ Result<ObjectModel> ObjectModel::parse(std::span<const std::uint8_t> bytes) {
     return Error{ErrorCode::kModelChecksum, 0, "checksum"};
   }
   if (!plausible(header.info)) return inconsistent("training parameters");
+  if (!plausible(header.trials)) return inconsistent("calibration of the score");
 
   ObjectModel model;
   model.info_ = &header.info;
+  model.trials_ = &header.trials;
   model.bytes_total_ = bytes.size();
   if (!read_table(bytes, header.features, model.features_)) return inconsistent("feature table");
   if (!read_table(bytes, header.surface, model.surface_)) return inconsistent("surface table");

@@ -105,7 +105,7 @@ void run_refine(const PoseContext& context, std::span<Hypothesis> hypotheses) {
 void run_verify(const PoseContext& context, std::span<Hypothesis> hypotheses) {
   for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
     h.evidence = verify(model, context.scene, h.T_cam_centre);
-    h.score = probability(terms_of(h), h.evidence.with_intensity);
+    h.score = probability(terms_of(h), h.evidence.with_intensity, model.trials());
     h.rank = h.evidence.explained_mm2 * h.score;
   });
 }

@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "binpick/train/trainer.hpp"
 #include "model/model_format.hpp"
 
 namespace binpick::train {
@@ -22,6 +23,13 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
+// The header in front of the tables, with the checksum of all.
+void seal(ModelHeader& header, std::vector<std::uint8_t>& bytes) {
+  std::memcpy(bytes.data(), &header, sizeof(header));
+  header.checksum = model_checksum(std::span(bytes).subspan(kChecksumFrom));
+  std::memcpy(bytes.data(), &header, sizeof(header));
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tree,
@@ -34,6 +42,7 @@ std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tre
   header.version = kModelVersion;
   header.header_bytes = sizeof(ModelHeader);
   std::memcpy(static_cast<void*>(&header.info), &info, sizeof(info));
+  header.trials = ModelTrials{};
   std::vector<std::uint8_t> bytes(sizeof(ModelHeader), 0);
 
   std::vector<Feature> features;
@@ -85,10 +94,15 @@ std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tre
   header.surface = append_table(bytes, surface);
   header.contour = append_table(bytes, contour);
   header.file_bytes = bytes.size();
-  std::memcpy(bytes.data(), &header, sizeof(header));
-  header.checksum = model_checksum(std::span(bytes).subspan(kChecksumFrom));
-  std::memcpy(bytes.data(), &header, sizeof(header));
+  seal(header, bytes);
   return bytes;
+}
+
+void set_trials(std::vector<std::uint8_t>& model, const ModelTrials& trials) {
+  ModelHeader header;
+  std::memcpy(static_cast<void*>(&header), model.data(), sizeof(header));
+  header.trials = trials;
+  seal(header, model);
 }
 
 }  // namespace binpick::train

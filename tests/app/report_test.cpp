@@ -247,12 +247,12 @@ TEST(DistanceRanges, EndWhereThePartCannotBeRecognised) {
 
 TEST(TrainingKey, ChangesWithEveryOptionAndTheMesh) {
   const train::TrainOptions base;
-  std::set<std::uint64_t> keys{training_key(1, base), training_key(2, base)};
+  std::set<std::uint64_t> keys{training_key(1, base, {}), training_key(2, base, {})};
   std::size_t changes = 2;
   const auto expect_new = [&](auto member, auto value) {
     train::TrainOptions options = base;
     options.*member = value;
-    keys.insert(training_key(1, options));
+    keys.insert(training_key(1, options, {}));
     EXPECT_EQ(keys.size(), ++changes);
   };
   using T = train::TrainOptions;
@@ -274,7 +274,10 @@ TEST(TrainingKey, ChangesWithEveryOptionAndTheMesh) {
   expect_new(&T::contour_features, 55);
   expect_new(&T::surface_features, 41);
   expect_new(&T::seed, std::uint64_t{2});
-  EXPECT_EQ(training_key(1, base), training_key(1, train::TrainOptions{}));
+  keys.insert(training_key(1, base, {.calibration_piles = 5}));
+  keys.insert(training_key(1, base, {.test_piles = 1}));
+  EXPECT_EQ(keys.size(), changes + 2);
+  EXPECT_EQ(training_key(1, base, {}), training_key(1, train::TrainOptions{}, {}));
 }
 
 TEST(ModelCache, KeepsModelsByObjectAndKey) {

@@ -10,6 +10,7 @@
 
 #include "binpick/base/result.hpp"
 #include "binpick/geometry/camera_model.hpp"
+#include "binpick/model/model_trials.hpp"
 #include "binpick/model/normal_codebook.hpp"
 
 namespace binpick {
@@ -101,6 +102,7 @@ class ObjectModel {
   static Result<ObjectModel> parse(std::span<const std::uint8_t> bytes);
 
   const ModelInfo& info() const { return *info_; }
+  const ModelTrials& trials() const { return *trials_; }
   int depth_count() const { return info_->depth_count; }
   const TreeDepth& depth(int d) const { return depths_[d]; }
   std::span<const Feature> features(const TemplateRange& t) const {
@@ -125,6 +127,7 @@ class ObjectModel {
   Error check_viewpoints(int d) const;
 
   const ModelInfo* info_ = nullptr;
+  const ModelTrials* trials_ = nullptr;
   TreeDepth depths_[kModelDepthsMax];
   std::span<const Feature> features_;
   std::span<const SurfaceSample> surface_;

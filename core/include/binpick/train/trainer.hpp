@@ -12,6 +12,7 @@
 
 #include "binpick/base/worker_pool.hpp"
 #include "binpick/geometry/camera_model.hpp"
+#include "binpick/model/model_trials.hpp"
 #include "binpick/model/normal_codebook.hpp"
 #include "binpick/train/mesh.hpp"
 
@@ -48,5 +49,8 @@ using TrainProgress = std::function<void(double)>;
 // camera) or RenderError.
 std::vector<std::uint8_t> train_model(const ImportedMesh& part, const TrainOptions& options,
                                       WorkerPool& pool, const TrainProgress& progress);
+
+// Puts into the bytes of a model what trying it on simulated piles told.
+void set_trials(std::vector<std::uint8_t>& model, const ModelTrials& trials);
 
 }  // namespace binpick::train

@@ -1,4 +1,4 @@
-#include "cli/template_options.hpp"
+#include "cli/training_options.hpp"
 
 #include <string>
 #include <vector>
@@ -56,6 +56,19 @@ void add_template_options(CLI::App& command, train::TrainOptions& options) {
   add("--surface-features", options.surface_features,
       "Further pixels with a normal orientation only, at most", 0, 4096);
   add_codebook_option(command, options, group);
+}
+
+void add_trial_options(CLI::App& command, TrialPlan& plan, bool with_test) {
+  const char* const group = "Simulated piles, after training";
+  const auto add = [&](const char* name, int& value, const char* what) {
+    command.add_option(name, value, what)
+        ->check(number_between(0, 1000))
+        ->capture_default_str()
+        ->group(group);
+  };
+  add("--calibration-piles", plan.calibration_piles,
+      "Piles that the score is calibrated with; 0: as the evidence has it");
+  if (with_test) add("--test-piles", plan.test_piles, "Piles of the self-test; 0: none");
 }
 
 }  // namespace binpick::app
