@@ -118,6 +118,7 @@ Result<ObjectModel> ObjectModel::parse(std::span<const std::uint8_t> bytes) {
     const Error error = model.read_depth(bytes, header, d);
     if (error.code != ErrorCode::kNone) return error;
   }
+  model.place_distances();
   for (int d = 0; d < header.info.depth_count; ++d) {
     const Error error = model.check_viewpoints(d);
     if (error.code != ErrorCode::kNone) return error;
@@ -190,14 +191,22 @@ Mat3 ObjectModel::rotation(int d, int viewpoint, int roll) const {
   return Z * R;
 }
 
-double ObjectModel::distance_mm(int d, int distance_index) const {
-  // Leaves cut the range evenly; a parent stands in the middle of its children.
-  const int halvings = depth_count() - 1 - d;
+// What matters is scale: leaves cut the range into equal ratios, and a node stands in the middle of
+// its leaves, in this sense.
+void ObjectModel::place_distances() {
   const int leaves = depths_[depth_count() - 1].distance_count;
-  const int first = distance_index << halvings;
-  const int last = std::min(leaves, (distance_index + 1) << halvings);
-  const double step = (info_->distance_max_mm - info_->distance_min_mm) / leaves;
-  return info_->distance_min_mm + step * (first + last) / 2;
+  const double ratio = info_->distance_max_mm / info_->distance_min_mm;
+  const auto border_mm = [&](int leaf) {
+    return info_->distance_min_mm * std::pow(ratio, static_cast<double>(leaf) / leaves);
+  };
+  for (int d = 0; d < depth_count(); ++d) {
+    const int halvings = depth_count() - 1 - d;
+    for (int k = 0; k < depths_[d].distance_count; ++k) {
+      const double near_mm = border_mm(k << halvings);
+      const double far_mm = border_mm(std::min(leaves, (k + 1) << halvings));
+      distances_[d][k] = {std::sqrt(near_mm * far_mm), far_mm - near_mm};
+    }
+  }
 }
 
 }  // namespace binpick

@@ -56,8 +56,7 @@ Hypothesis screened(const PoseContext& context, const Candidate& candidate,
     return h;
   }
   h.T_cam_centre = candidate_pose(model, leaf, candidate, pyramid);
-  const double interval_mm =
-      (info.distance_max_mm - info.distance_min_mm) / model.depth(leaf).distance_count;
+  const double interval_mm = model.distance_interval_mm(leaf, candidate.distance);
   const double range_mm = 0.5 * info.diameter_mm + 0.75 * interval_mm;
   if (!align_depth(model, context.scene, range_mm, h.T_cam_centre)) {
     h.drop(DropReason::kPoseDiverged);

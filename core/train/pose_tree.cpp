@@ -44,6 +44,14 @@ Mat3 looking_from(const Vec3& direction) {
   return R;
 }
 
+// Steps of equal ratio, since distance is scale; the interval is that of the middle of the range.
+int leaf_distance_count(const TrainOptions& options) {
+  const double middle_mm = std::sqrt(options.distance_min_mm * options.distance_max_mm);
+  const double steps = std::log(options.distance_max_mm / options.distance_min_mm) /
+                       std::log1p(options.distance_interval_mm / middle_mm);
+  return std::clamp(static_cast<int>(std::lround(steps)), 1, kModelDistancesMax);
+}
+
 }  // namespace
 
 double roll_centre_rad(int roll, int roll_count) {
@@ -69,10 +77,7 @@ PoseTree make_pose_tree(const TrainOptions& options) {
   const int halvings = 1 << (depths - 1);
   const int root_rolls =
       std::max(1, static_cast<int>(std::lround(360 / options.roll_interval_deg / halvings)));
-  const double range_mm = options.distance_max_mm - options.distance_min_mm;
-  // A range too wide for the interval gets coarser steps: far away the same step matters less.
-  const int leaf_distances = std::clamp(
-      static_cast<int>(std::ceil(range_mm / options.distance_interval_mm)), 1, kModelDistancesMax);
+  const int leaf_distances = leaf_distance_count(options);
 
   std::vector<int> vertex_of;  // of the depth just built: tree index -> sphere vertex
   for (int v = 0; v < sphere.counts[0]; ++v) {

@@ -177,13 +177,15 @@ TEST(Trainer, WritesWhatItWasTrainedFor) {
       }
     }
   }
-  // Any distance of the range has a leaf within half an interval.
+  // Any distance of the range has a leaf within half its interval.
   const int leaves = model.depth(1).distance_count;
   for (double mm = 500; mm <= 700; mm += 0.5) {
     double nearest = 1e9;
-    for (int k = 0; k < leaves; ++k)
-      nearest = std::min(nearest, std::abs(model.distance_mm(1, k) - mm));
-    EXPECT_LE(nearest, options.distance_interval_mm / 2);
+    for (int k = 0; k < leaves; ++k) {
+      const double off_mm = std::abs(model.distance_mm(1, k) - mm);
+      nearest = std::min(nearest, off_mm / model.distance_interval_mm(1, k));
+    }
+    EXPECT_LE(nearest, 0.55);
   }
 }
 

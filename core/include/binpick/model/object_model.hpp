@@ -118,17 +118,30 @@ class ObjectModel {
   // Rotation of (viewpoint, roll) at depth d: object axes to camera axes, on the optical axis.
   Mat3 rotation(int d, int viewpoint, int roll) const;
   double roll_rad(int d, int roll) const;
-  double distance_mm(int d, int distance_index) const;
+  // From the camera to the object's origin, at the middle of what a node stands for, and how much
+  // that is.
+  double distance_mm(int d, int distance_index) const {
+    return distances_[d][distance_index].middle_mm;
+  }
+  double distance_interval_mm(int d, int distance_index) const {
+    return distances_[d][distance_index].interval_mm;
+  }
   std::size_t bytes_total() const { return bytes_total_; }
 
  private:
   ObjectModel() = default;
   Error read_depth(std::span<const std::uint8_t> bytes, const ModelHeader& header, int d);
   Error check_viewpoints(int d) const;
+  void place_distances();
+
+  struct DistanceNode {
+    double middle_mm = 0, interval_mm = 0;
+  };
 
   const ModelInfo* info_ = nullptr;
   const ModelTrials* trials_ = nullptr;
   TreeDepth depths_[kModelDepthsMax];
+  DistanceNode distances_[kModelDepthsMax][kModelDistancesMax];
   std::span<const Feature> features_;
   std::span<const SurfaceSample> surface_;
   std::span<const ContourSample> contour_;

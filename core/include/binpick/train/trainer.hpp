@@ -33,7 +33,9 @@ struct TrainOptions {
   double distance_jitter_mm = 90;  // +-
   // Balanced pose tree (section III-B)
   double roll_interval_deg = 6;      // at the leaves; rounded so that it halves evenly to the roots
-  double distance_interval_mm = 70;  // at the leaves; wider where 64 steps do not span the range
+  // At the leaves, in the (geometric) middle of the range; in proportion to the distance elsewhere,
+  // and wider where 64 steps do not span the range.
+  double distance_interval_mm = 70;
   int tree_depths = 4;               // 12, 42, 162, 642 viewpoints
   // Ours
   NormalCodebook normal_codebook = NormalCodebook::kHemisphere;
