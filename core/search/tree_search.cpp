@@ -53,7 +53,7 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
   const int place = place_px(model, context.pyramid.level(0).camera);
   const auto limits_at = [&](int step) {
     return SelectLimits{params_.candidates_max[step], params_.per_place_max[step],
-                        params_.per_origin_max[step]};
+                        params_.per_origin_max[step], step};
   };
   int& below_limit = report.dropped[static_cast<int>(DropReason::kLevelLimit)];
 
