@@ -26,7 +26,8 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
 
 std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tree,
                                       const TemplateSet& templates,
-                                      const std::vector<ViewSamples>& views) {
+                                      const std::vector<ViewSamples>& views,
+                                      const FoundSymmetry& symmetry) {
   ModelHeader header;
   std::memset(static_cast<void*>(&header), 0,
               sizeof(header));  // padding too: the same part gives the same bytes
@@ -84,6 +85,8 @@ std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tre
   header.features = append_table(bytes, features);
   header.surface = append_table(bytes, surface);
   header.contour = append_table(bytes, contour);
+  header.symmetry_turns = append_table(bytes, symmetry.turns);
+  header.symmetry_axes = append_table(bytes, symmetry.axes);
   header.file_bytes = bytes.size();
   std::memcpy(bytes.data(), &header, sizeof(header));
   header.checksum = model_checksum(std::span(bytes).subspan(kChecksumFrom));
