@@ -7,6 +7,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/model_summary.hpp"
+#include "cli/symmetry_summary.hpp"
 #include "model_file.hpp"
 
 namespace binpick::app {
@@ -36,6 +37,7 @@ nlohmann::ordered_json to_json(const ModelTrials& t) {
   return {{"calibration_piles", t.calibration_piles},
           {"with_intensity", to_json(t.with_intensity)},
           {"depth_alone", to_json(t.depth_alone)},
+          {"variance_scale", t.variance_scale},
           {"self_test",
            {{"piles", test.piles},
             {"instances", test.instances},
@@ -76,6 +78,7 @@ nlohmann::ordered_json to_json(const ModelFile& file) {
                                  {"seed", i.seed},
                                  {"base_level", i.base_level},
                                  {"scan_depth", i.scan_depth},
+                                 {"symmetry", symmetry_json(file.model())},
                                  {"trials", to_json(file.model().trials())},
                                  {"depths", nlohmann::ordered_json::array()}};
   for (const DepthSummary& depth : summarize_depths(file.model())) {
@@ -155,6 +158,12 @@ void print(const ModelFile& file) {
   std::printf("%s codebook\n", codebook_name(i.normal_codebook));
   line("pyramid");
   std::printf("leaves at level %d, depth %d is scanned\n", i.base_level, i.scan_depth);
+  const char* what = "symmetry";
+  for (const std::string& text : symmetry_lines(file.model())) {
+    line(what);
+    std::printf("%s\n", text.c_str());
+    what = "";
+  }
   print(file.model().trials());
   print_depths(file.model());
 }

@@ -5,6 +5,7 @@
 #include "binpick/detect/detector.hpp"
 #include "error_text.hpp"
 #include "training/score_calibration.hpp"
+#include "training/variance_scale.hpp"
 
 namespace binpick::app {
 namespace {
@@ -23,14 +24,35 @@ ObjectModel parsed(const std::vector<std::uint8_t>& bytes) {
   return model.value();
 }
 
+Vec3 centre_of(const ModelInfo& info) {
+  Vec3 centre_mm;
+  for (int k = 0; k < 3; ++k) centre_mm[k] = (info.bounds_min_mm[k] + info.bounds_max_mm[k]) / 2;
+  return centre_mm;
+}
+
+// With the symmetries that training found, so that no pose is wrong that nobody can tell from
+// right.
 PartGeometry geometry_of(const ObjectModel& model, const train::Mesh& mesh) {
+  const ModelInfo& info = model.info();
+  const Vec3 centre_mm = centre_of(info);
   drivers::BopModel part;
   part.obj_id = kPileObject;
-  part.diameter_mm = model.info().diameter_mm;
+  part.diameter_mm = info.diameter_mm;
+  for (const SymmetryTurn& turn : model.symmetry().exact_turns) {
+    Pose move = move_of(turn);  // about the middle of the bounding box
+    move.t_mm += centre_mm - move.R * centre_mm;
+    part.symmetries_discrete.push_back(move);
+  }
+  for (const SymmetryAxis& axis : model.symmetry().exact_axes) {
+    const auto at = [](const float* v) {
+      return Eigen::Map<const Eigen::Vector3f>(v).cast<double>();
+    };
+    part.symmetries_continuous.push_back({at(axis.axis), at(axis.point_mm) + centre_mm});
+  }
   return PartGeometry(part, mesh);
 }
 
-ScoreCalibration calibrate(const PileTrial& trial, const PartGeometry& geometry) {
+ScoreCalibration score_of(const PileTrial& trial, const PartGeometry& geometry) {
   PoseLimits limits;
   limits.mm = std::min(limits.mm, kLimitInDiameters * geometry.diameter_mm());
   const std::vector<bool> right = right_rows(trial, geometry, limits);
@@ -39,13 +61,23 @@ ScoreCalibration calibrate(const PileTrial& trial, const PartGeometry& geometry)
   return fit_calibration(poses);
 }
 
+void calibrate(const ObjectModel& model, const PartGeometry& geometry,
+               const std::vector<SimulatedPile>& piles, WorkerPool& pool, ModelTrials& trials) {
+  const PileTrial both = run_trial(model, piles, TrialSees::kDepthAndIntensity, pool);
+  trials.with_intensity = score_of(both, geometry);
+  trials.depth_alone = score_of(run_trial(model, piles, TrialSees::kDepthAlone, pool), geometry);
+  if (const auto growth = growth_of_variance(both, geometry, centre_of(model.info()))) {
+    trials.variance_scale = model.trials().variance_scale * *growth;
+  }
+}
+
 }  // namespace
 
 TrainedPart train_part(const train::ImportedMesh& part, const train::TrainOptions& options,
                        const TrialPlan& plan, WorkerPool& pool,
                        const PartTrainingProgress& progress) {
-  const auto tell = [&](const char* what, double share) {
-    if (progress) progress(what, share);
+  const auto tell = [&](const char* step, double share) {
+    if (progress) progress(step, share);
   };
   TrainedPart out;
   out.model =
@@ -54,28 +86,27 @@ TrainedPart train_part(const train::ImportedMesh& part, const train::TrainOption
 
   const PartGeometry geometry = geometry_of(parsed(out.model), part.mesh);
   const PileMaker maker(part, options);
+  const auto piles_of = [&](const char* step, int count, std::uint64_t seed) {
+    tell(step, 0);
+    std::vector<SimulatedPile> piles = maker.make(count, options.seed ^ seed, pool);
+    tell(step, 0.9);
+    return piles;
+  };
   ModelTrials trials;
   if (plan.calibration_piles > 0) {
-    tell("calibration", 0);
-    const auto piles = maker.make(plan.calibration_piles, options.seed ^ kCalibrationSeed, pool);
-    tell("calibration", 0.9);
-    const ObjectModel model = parsed(out.model);
-    trials.with_intensity =
-        calibrate(run_trial(model, piles, TrialSees::kDepthAndIntensity, pool), geometry);
-    trials.depth_alone = calibrate(run_trial(model, piles, TrialSees::kDepthAlone, pool), geometry);
+    const auto piles = piles_of("calibration", plan.calibration_piles, kCalibrationSeed);
+    calibrate(parsed(out.model), geometry, piles, pool, trials);
     trials.calibration_piles = plan.calibration_piles;
     train::set_trials(out.model, trials);
     tell("calibration", 1);
   }
   if (plan.test_piles > 0) {
-    tell("self-test", 0);
-    const auto piles = maker.make(plan.test_piles, options.seed ^ kTestSeed, pool);
-    tell("self-test", 0.9);
-    const PileTrial trial =
-        run_trial(parsed(out.model), piles, TrialSees::kDepthAndIntensity, pool);
+    const auto piles = piles_of("self-test", plan.test_piles, kTestSeed);
+    const ObjectModel model = parsed(out.model);
+    const PileTrial trial = run_trial(model, piles, TrialSees::kDepthAndIntensity, pool);
     out.self_test = judge(trial, geometry, DetectRequest{}.min_score);
+    out.advice = advice(*out.self_test, model);
     trials.self_test = out.self_test->record;
-    out.advice = advice(*out.self_test, parsed(out.model));
     train::set_trials(out.model, trials);
     tell("self-test", 1);
   }

@@ -59,6 +59,7 @@ PileTrial run_trial(const ObjectModel& model, const std::vector<SimulatedPile>& 
     trial.time_s[id] = static_cast<double>(monotonic_ns() - begin_ns) * 1e-9;
     for (const Detection& d : report.value().detections) {
       trial.rows.push_back({id, kPileObject, d.score, d.T_cam_obj, trial.time_s[id]});
+      trial.uncertainty.push_back(d.uncertainty);
     }
   }
   return trial;

@@ -6,6 +6,7 @@
 
 #include "binpick/base/worker_pool.hpp"
 #include "binpick/model/object_model.hpp"
+#include "binpick/report/pose_uncertainty.hpp"
 #include "eval/bop_results.hpp"
 #include "eval/part_geometry.hpp"
 #include "eval/score_truth.hpp"
@@ -16,6 +17,7 @@ namespace binpick::app {
 struct PileTrial {
   TruthByFrame truth;
   std::vector<ResultRow> rows;
+  std::vector<PoseUncertainty> uncertainty;  // of each row
   std::map<drivers::FrameId, double> time_s;
 };
 

@@ -8,8 +8,10 @@
 #include "detect/detector_plan.hpp"
 #include "pose/explain.hpp"
 #include "pose/hypothesis.hpp"
+#include "pose/near_poses.hpp"
 #include "pose/ray_pose.hpp"
 #include "pose/screen.hpp"
+#include "pose/uncertainty.hpp"
 #include "search/tree_search.hpp"
 
 namespace binpick {
@@ -47,9 +49,12 @@ struct Detector::Impl {
         ownership(plan.pyramid.width_max >> kFeatureLevel, plan.pyramid.height_max >> kFeatureLevel,
                   arena),
         scale_plans(arena.take<ScalePlan>(models.size())),
+        moves(arena.take<PartMoves>(models.size())),
         screening(arena.take<Hypothesis>(plan.screening_max())),
         hypotheses(arena.take<Hypothesis>(kHypothesesMax)),
-        detections(arena.take<Detection>(static_cast<std::size_t>(plan.results_max))) {}
+        detections(arena.take<Detection>(static_cast<std::size_t>(plan.results_max))) {
+    for (std::size_t i = 0; i < models.size(); ++i) moves[i] = PartMoves(models[i], arena);
+  }
 
   Result<DetectionReport> detect(const Frame& frame, const DetectRequest& request);
   int search_model(int model_index, std::size_t room, int found, const Deadline& deadline,
@@ -57,7 +62,7 @@ struct Detector::Impl {
   int estimate_poses(int count, const Deadline& deadline, DetectionReport& report);
   void explain(const Frame& frame, const DetectRequest& request, int count,
                DetectionReport& report);
-  Detection detection_of(const Hypothesis& h) const;
+  Detection detection_of(const Hypothesis& h, const Scene& scene) const;
 
   template <class Work>
   auto timed(Stage stage, DetectionReport& report, Work&& work) {
@@ -79,6 +84,7 @@ struct Detector::Impl {
   TreeSearch search;
   SceneOwnership ownership;
   std::span<ScalePlan> scale_plans;
+  std::span<PartMoves> moves;       // of the models' symmetries
   std::span<Hypothesis> screening;  // all leaf candidates of one model
   std::span<Hypothesis> hypotheses;
   std::span<Detection> detections;
@@ -90,9 +96,11 @@ std::size_t Detector::footprint(std::span<const ObjectModel> models, const Detec
   ArenaPlan counted;
   counted.take<Impl>(1);
   counted.take<ScalePlan>(models.size());
+  counted.take<PartMoves>(models.size());
   counted.take<Hypothesis>(plan.screening_max());
   counted.take<Hypothesis>(kHypothesesMax);
   counted.take<Detection>(static_cast<std::size_t>(plan.results_max));
+  for (const ObjectModel& model : models) PartMoves::plan(model, counted);
   return counted.bytes + FeaturePyramid::footprint(plan.pyramid) +
          TreeSearch::footprint(plan.search, plan.search_params) +
          SceneOwnership::footprint(plan.pyramid.width_max >> kFeatureLevel,
@@ -160,9 +168,9 @@ int Detector::Impl::search_model(int model_index, std::size_t room, int found,
   const Scene scene(pyramid);
   const std::span<const Candidate> leaves = search.run(context, model_index, report);
   return timed(Stage::kScreen, report, [&] {
-    return found + screen_candidates({models, scene, pool, deadline}, leaves, pyramid, screening,
-                                     hypotheses.subspan(static_cast<std::size_t>(found), room),
-                                     report);
+    return found +
+           screen_candidates({models, moves, scene, pool, deadline}, leaves, pyramid, screening,
+                             hypotheses.subspan(static_cast<std::size_t>(found), room), report);
   });
 }
 
@@ -171,7 +179,7 @@ int Detector::Impl::estimate_poses(int count, const Deadline& deadline, Detectio
   // Each stage may use the time up to its share of what is left now: were one to use up all, no
   // pose would be finished. The shares are those of an unhurried run.
   auto until = [&](double share) {
-    return PoseContext{models, scene, pool, deadline.after_share(share)};
+    return PoseContext{models, moves, scene, pool, deadline.after_share(share)};
   };
   const PoseContext pnp_end = until(0.15), icp_end = until(0.45), check_end = until(0.55),
                     refine_end = until(0.88), end = until(1);
@@ -180,11 +188,16 @@ int Detector::Impl::estimate_poses(int count, const Deadline& deadline, Detectio
   timed(Stage::kIcp, report, [&] { run_icp(icp_end, living()); });
   timed(Stage::kVerify, report, [&] { run_verify(check_end, living()); });
   count = timed(Stage::kSuppress, report,
-                [&] { return suppress(models, living(), kPerPlaceAfterIcp, report); });
+                [&] { return suppress(end, living(), kPerPlaceAfterIcp, report); });
   timed(Stage::kRefine, report, [&] { run_refine(refine_end, living()); });
   timed(Stage::kVerify, report, [&] { run_verify(end, living()); });
+  count = timed(Stage::kSuppress, report,
+                [&] { return suppress(end, living(), kPerPlaceAfterIcp, report); });
+  const bool changed =
+      timed(Stage::kVerify, report, [&] { return settle_near_poses(end, living()); });
+  if (!changed) return count;
   return timed(Stage::kSuppress, report,
-               [&] { return suppress(models, living(), kPerPlaceAfterIcp, report); });
+               [&] { return suppress(end, living(), kPerPlaceAfterIcp, report); });
 }
 
 void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, int count,
@@ -212,7 +225,7 @@ void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, i
       drop(DropReason::kResultLimit);
     } else {
       ownership.claim(model, scene, h.T_cam_centre);
-      detections[accepted++] = detection_of(h);
+      detections[accepted++] = detection_of(h, scene);
     }
   }
   std::sort(detections.begin(), detections.begin() + static_cast<std::ptrdiff_t>(accepted),
@@ -220,13 +233,15 @@ void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, i
   report.detections = detections.first(accepted);
 }
 
-Detection Detector::Impl::detection_of(const Hypothesis& h) const {
+Detection Detector::Impl::detection_of(const Hypothesis& h, const Scene& scene) const {
   const ObjectModel& model = models[h.candidate.model];
   Detection d;
   d.model_index = h.candidate.model;
   d.T_cam_obj = h.T_cam_centre;
   d.T_cam_obj.t_mm -= h.T_cam_centre.R * centre_offset(model);
   d.score_terms = terms_of(h);
+  d.uncertainty =
+      pose_uncertainty(model, scene, refine_params(model, h.T_cam_centre), h.T_cam_centre);
   d.score = h.score;
   d.visible_fraction = h.evidence.visible_fraction();
   d.depth_support = h.evidence.depth_support();

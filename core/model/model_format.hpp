@@ -3,6 +3,7 @@
 //
 //   ModelHeader | Viewpoint tables (one per depth) | TemplateRange tables (one per depth)
 //   | Feature table | SurfaceSample table | ContourSample table
+//   | SymmetryTurn table | SymmetryAxis table (exact rows first in both)
 #pragma once
 
 #include <bit>
@@ -43,10 +44,12 @@ struct ModelHeader {
   ModelTrials trials;
   ModelDepthHeader depths[kModelDepthsMax];
   ModelTable features, surface, contour;
+  ModelTable symmetry_turns, symmetry_axes;
 };
 static_assert(std::is_trivially_copyable_v<ModelHeader>);
 static_assert(sizeof(Feature) == 6 && sizeof(TemplateRange) == 12 && sizeof(Viewpoint) == 68);
 static_assert(sizeof(SurfaceSample) == 24 && sizeof(ContourSample) == 28);
+static_assert(sizeof(SymmetryTurn) == 44 && sizeof(SymmetryAxis) == 36);
 
 inline constexpr std::size_t kChecksumFrom =
     offsetof(ModelHeader, checksum) + sizeof(std::uint64_t);

@@ -55,6 +55,7 @@ bool plausible(const ModelTrials& t) {
   const auto share = [](double value) { return value >= 0 && value <= 1; };
   const SelfTestRecord& test = t.self_test;
   return plausible(t.with_intensity) && plausible(t.depth_alone) && t.calibration_piles >= 0 &&
+         finite_and_positive(t.variance_scale) &&
          test.piles >= 0 && test.instances >= 0 && share(test.recall) && share(test.precision) &&
          share(test.visible_fraction_min);
 }
@@ -73,6 +74,43 @@ bool template_valid(const TemplateRange& t, std::span<const Feature> features) {
     normal += f.normal_weight;
   }
   return gradient == t.gradient_weight_sum && normal == t.normal_weight_sum;
+}
+
+// What turns and axes have in common.
+template <class Row>
+bool symmetry_row_valid(const Row& row) {
+  const auto kind = static_cast<std::int32_t>(row.kind);
+  if (kind != 0 && kind != 1) return false;
+  if (!all_finite(row.axis, 3) || !all_finite(row.point_mm, 3)) return false;
+  const double length =
+      std::hypot(static_cast<double>(row.axis[0]), static_cast<double>(row.axis[1]),
+                 static_cast<double>(row.axis[2]));
+  if (std::abs(length - 1) > 1e-4) return false;
+  if (!(row.differing_share >= 0 && row.differing_share <= 1) || !(row.deviation_mm >= 0) ||
+      !std::isfinite(row.deviation_mm)) {
+    return false;
+  }
+  return kind == 1 || row.differing_share == 0;
+}
+
+bool turn_valid(const SymmetryTurn& t) {
+  const double angle = std::abs(static_cast<double>(t.angle_rad));
+  return symmetry_row_valid(t) && angle > 1e-3 && angle <= std::numbers::pi + 1e-6 &&
+         std::isfinite(t.shift_mm) && (t.kind == SymmetryKind::kNear || t.shift_mm == 0);
+}
+
+// How many rows are exact, when these are the first ones and both kinds are within their limits.
+template <class Row>
+bool split_kinds(std::span<const Row> rows, std::size_t exact_max, std::size_t near_max,
+                 std::span<const Row>& exact, std::span<const Row>& near) {
+  std::size_t count = 0;
+  while (count < rows.size() && rows[count].kind == SymmetryKind::kExact) ++count;
+  exact = rows.first(count);
+  near = rows.subspan(count);
+  for (const Row& row : near) {
+    if (row.kind != SymmetryKind::kNear) return false;
+  }
+  return exact.size() <= exact_max && near.size() <= near_max;
 }
 
 }  // namespace
@@ -114,6 +152,8 @@ Result<ObjectModel> ObjectModel::parse(std::span<const std::uint8_t> bytes) {
     if (!all_finite(c.position_mm, 3) || !all_finite(c.tangent, 3))
       return inconsistent("contour sample");
   }
+  const Error symmetry_error = model.read_symmetry(bytes, header);
+  if (symmetry_error.code != ErrorCode::kNone) return symmetry_error;
   for (int d = 0; d < header.info.depth_count; ++d) {
     const Error error = model.read_depth(bytes, header, d);
     if (error.code != ErrorCode::kNone) return error;
@@ -153,6 +193,26 @@ Error ObjectModel::read_depth(std::span<const std::uint8_t> bytes, const ModelHe
   if (d > 0 && (to.roll_count != 2 * depths_[d - 1].roll_count ||
                 (to.distance_count + 1) / 2 != depths_[d - 1].distance_count)) {
     return inconsistent("halving of rolls or distances", d);
+  }
+  return {};
+}
+
+Error ObjectModel::read_symmetry(std::span<const std::uint8_t> bytes, const ModelHeader& header) {
+  std::span<const SymmetryTurn> turns;
+  std::span<const SymmetryAxis> axes;
+  if (!read_table(bytes, header.symmetry_turns, turns)) return inconsistent("symmetry turn table");
+  if (!read_table(bytes, header.symmetry_axes, axes)) return inconsistent("symmetry axis table");
+  for (const SymmetryTurn& t : turns) {
+    if (!turn_valid(t)) return inconsistent("symmetry turn");
+  }
+  for (const SymmetryAxis& a : axes) {
+    if (!symmetry_row_valid(a)) return inconsistent("symmetry axis");
+  }
+  if (!split_kinds(turns, kExactTurnsMax, kNearTurnsMax, symmetry_.exact_turns,
+                   symmetry_.near_turns) ||
+      !split_kinds(axes, kSymmetryAxesMax, kSymmetryAxesMax, symmetry_.exact_axes,
+                   symmetry_.near_axes)) {
+    return inconsistent("symmetry kinds");
   }
   return {};
 }

@@ -92,7 +92,7 @@ int screen_candidates(const PoseContext& context, std::span<const Candidate> lea
       count_drop(report, DropReason::kLevelLimit);
     } else if (std::any_of(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(kept),
                            [&](const Hypothesis& better) {
-                             return same_pose(better, h, limit_mm, kSameRotation);
+                             return same_pose(context.moves, better, h, limit_mm, kSameRotation);
                            })) {
       count_drop(report, DropReason::kDuplicate);
     } else {

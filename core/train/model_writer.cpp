@@ -34,7 +34,8 @@ void seal(ModelHeader& header, std::vector<std::uint8_t>& bytes) {
 
 std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tree,
                                       const TemplateSet& templates,
-                                      const std::vector<ViewSamples>& views) {
+                                      const std::vector<ViewSamples>& views,
+                                      const FoundSymmetry& symmetry) {
   ModelHeader header;
   std::memset(static_cast<void*>(&header), 0,
               sizeof(header));  // padding too: the same part gives the same bytes
@@ -93,6 +94,8 @@ std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tre
   header.features = append_table(bytes, features);
   header.surface = append_table(bytes, surface);
   header.contour = append_table(bytes, contour);
+  header.symmetry_turns = append_table(bytes, symmetry.turns);
+  header.symmetry_axes = append_table(bytes, symmetry.axes);
   header.file_bytes = bytes.size();
   seal(header, bytes);
   return bytes;

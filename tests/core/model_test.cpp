@@ -143,6 +143,8 @@ TEST(Model, HostileTablesAreRefused) {
         [](ModelHeader& h) -> ModelTable& { return h.features; },
         [](ModelHeader& h) -> ModelTable& { return h.surface; },
         [](ModelHeader& h) -> ModelTable& { return h.contour; },
+        [](ModelHeader& h) -> ModelTable& { return h.symmetry_turns; },
+        [](ModelHeader& h) -> ModelTable& { return h.symmetry_axes; },
         [](ModelHeader& h) -> ModelTable& { return h.depths[0].viewpoints; },
         [](ModelHeader& h) -> ModelTable& { return h.depths[0].templates; },
         [](ModelHeader& h) -> ModelTable& { return h.depths[1].viewpoints; },

@@ -1,6 +1,6 @@
 // What trying a trained model on simulated piles told: how its score is to be read, and what may be
-// expected of it. Kept in the model file as it stands here, little-endian. All zero but the
-// slopes where the model was not tried.
+// expected of it. Kept in the model file as it stands here, little-endian. As it is
+// initialized here where the model was not tried.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +27,9 @@ struct ModelTrials {
   ScoreCalibration with_intensity, depth_alone;
   std::int32_t calibration_piles = 0;  // 0: not calibrated
   std::int32_t reserved = 0;
+  // What the covariance of a pose, reckoned as if all measurements erred on their own, has to be
+  // multiplied by to be that of the errors seen.
+  double variance_scale = 4;
   SelfTestRecord self_test;
 };
 

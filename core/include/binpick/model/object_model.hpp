@@ -12,6 +12,7 @@
 #include "binpick/geometry/camera_model.hpp"
 #include "binpick/model/model_trials.hpp"
 #include "binpick/model/normal_codebook.hpp"
+#include "binpick/model/part_symmetry.hpp"
 
 namespace binpick {
 
@@ -115,6 +116,9 @@ class ObjectModel {
     return contour_.subspan(v.contour_first, v.contour_count);
   }
 
+  // Of the part's shape, in the coordinates of its samples.
+  const PartSymmetry& symmetry() const { return symmetry_; }
+
   // Rotation of (viewpoint, roll) at depth d: object axes to camera axes, on the optical axis.
   Mat3 rotation(int d, int viewpoint, int roll) const;
   double roll_rad(int d, int roll) const;
@@ -131,6 +135,7 @@ class ObjectModel {
  private:
   ObjectModel() = default;
   Error read_depth(std::span<const std::uint8_t> bytes, const ModelHeader& header, int d);
+  Error read_symmetry(std::span<const std::uint8_t> bytes, const ModelHeader& header);
   Error check_viewpoints(int d) const;
   void place_distances();
 
@@ -145,6 +150,7 @@ class ObjectModel {
   std::span<const Feature> features_;
   std::span<const SurfaceSample> surface_;
   std::span<const ContourSample> contour_;
+  PartSymmetry symmetry_;
   std::size_t bytes_total_ = 0;
 };
 
