@@ -5,6 +5,7 @@
 
 #include "bracket.hpp"
 #include "detect/detector_plan.hpp"
+#include "pose/ray_pose.hpp"
 #include "pose/uncertainty.hpp"
 #include "threads_per_call.hpp"
 
