@@ -31,7 +31,9 @@ void for_living(const PoseContext& context, std::span<Hypothesis> hypotheses, Fn
       if (context.deadline.passed()) {
         h.drop(DropReason::kDeadline);
       } else {
-        fn(context.models[h.candidate.model], h);
+        const ObjectModel& model = context.models[h.candidate.model];
+        h.T_cam_centre = context.moves[h.candidate.model].canonical(model, h.T_cam_centre);
+        fn(model, h);
       }
     }
   });

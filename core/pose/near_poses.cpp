@@ -19,6 +19,7 @@ constexpr int kStepsRefined = 2;
 struct Challenge {
   const PoseContext& context;
   const ObjectModel& model;
+  const PartMoves& moves;
   PredictionGrid grid;
   Pose found;
   PosePrediction of_found, of_variant;  // scratch
@@ -26,10 +27,13 @@ struct Challenge {
   Challenge(const PoseContext& c, const Hypothesis& h)
       : context(c),
         model(c.models[h.candidate.model]),
+        moves(c.moves[h.candidate.model]),
         grid(model, c.scene, h.T_cam_centre.t_mm),
         found(h.T_cam_centre) {
     predict(model, c.scene, grid, found, of_found);
   }
+
+  Pose canonical(const Pose& T) const { return moves.canonical(model, T); }
 
   double odds_of(const Pose& variant) {
     predict(model, context.scene, grid, variant, of_variant);
@@ -51,7 +55,7 @@ double log_odds(double probability) {
 // they differ and as a whole.
 void offer(Challenge& challenge, const Hypothesis& found, const Pose& start, Best& best) {
   Hypothesis h = found;
-  h.T_cam_centre = start;
+  h.T_cam_centre = challenge.canonical(start);
   if (!refine_pose(challenge.context, challenge.model, h.T_cam_centre)) return;
   double odds = challenge.odds_of(h.T_cam_centre);
   verify_pose(challenge.context, h);
@@ -68,7 +72,7 @@ void offer_steps(Challenge& challenge, const Hypothesis& found, const Pose& from
   };
   Step promising[kStepsRefined];
   for (const Pose& step : steps) {
-    const Pose T = from * step;
+    const Pose T = challenge.canonical(from * step);
     const double odds = challenge.odds_of(T);
     int at = kStepsRefined;
     while (at > 0 && promising[at - 1].odds < odds) --at;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "pose/view_lookup.hpp"
+
 namespace binpick {
 namespace {
 
@@ -21,6 +23,11 @@ std::size_t near_max(const ObjectModel& model) {
 bool within(const Pose& a, const Pose& b, double position_mm, double rotation_rad) {
   return (a.t_mm - b.t_mm).squaredNorm() < position_mm * position_mm &&
          rotation_angle_between(a.R, b.R) < rotation_rad;
+}
+
+// Along which the camera looks at the part, in the part's axes.
+Vec3 seen_along(const Pose& T) {
+  return T.R.transpose() * T.t_mm.normalized();
 }
 
 }  // namespace
@@ -81,6 +88,54 @@ bool PartMoves::same(const Pose& a, const Pose& b, double position_mm, double ro
   return std::any_of(exact_.begin(), exact_.end(), [&](const Pose& move) {
     return within(a * move, b, position_mm, rotation_rad);
   });
+}
+
+Pose PartMoves::canonical(const ObjectModel& model, const Pose& T) const {
+  if (axis_count_ == 0 && exact_.empty()) return T;
+  if (axis_count_ > 1) {
+    const Vec3 wanted = viewing_direction(nearest_viewpoint(model, T));
+    return {T.R * rotation_between(wanted, seen_along(T)), T.t_mm};
+  }
+  Pose best = T;
+  double best_nearness = -2;
+  const auto offer = [&](const Pose& same) {
+    double nearness = 0;
+    Pose pose = same;
+    if (axis_count_ == 1) {
+      pose = about_axis(model, same, nearness);
+    } else {
+      nearness = seen_along(same).dot(viewing_direction(nearest_viewpoint(model, same)));
+    }
+    if (nearness <= best_nearness) return;
+    best_nearness = nearness;
+    best = pose;
+  };
+  offer(T);
+  for (const Pose& move : exact_) offer(T * move);
+  return best;
+}
+
+// Turned about the axis until it is seen from the side of the viewpoint that looks at the axis at
+// the angle nearest to the pose's own.
+Pose PartMoves::about_axis(const ObjectModel& model, const Pose& T, double& nearness) const {
+  const Vec3 seen = seen_along(T);
+  const double along = std::clamp(axis_.dot(seen), -1.0, 1.0);
+  const double across = std::sqrt(1 - along * along);
+  Vec3 best = Vec3::Zero();
+  nearness = -2;
+  for (const Viewpoint& v : model.depth(model.depth_count() - 1).viewpoints) {
+    const Vec3 d = viewing_direction(v);
+    const double d_along = std::clamp(axis_.dot(d), -1.0, 1.0);
+    const double cosine = along * d_along + across * std::sqrt(1 - d_along * d_along);
+    if (cosine <= nearness) continue;
+    nearness = cosine;
+    best = d;
+  }
+  const Vec3 from = best - axis_.dot(best) * axis_, to = seen - along * axis_;
+  if (from.norm() < 1e-6 || to.norm() < 1e-6) return T;
+  const double angle = std::atan2(axis_.dot(from.cross(to)), from.dot(to));
+  const Mat3 R = rotation_from_vector(axis_ * angle);
+  return T * Pose{R, point_mm_ - R * point_mm_};
 }
 
 bool PartMoves::same_about_axis(const Pose& a, const Pose& b, double position_mm,

@@ -21,12 +21,18 @@ class PartMoves {
   // Whether two poses differ by less than both limits, for the best of the part's exact symmetries.
   bool same(const Pose& a, const Pose& b, double position_mm, double rotation_rad) const;
 
+  // Of the poses that look the same, the one that shows the part as one of the model's viewpoints
+  // does: a symmetric part has viewpoints on a part of the sphere only, and what is stored for them
+  // holds for this pose.
+  Pose canonical(const ObjectModel& model, const Pose& T_cam_centre) const;
+
   // What a pose may be taken for: the near turns, then the steps of a turn about the near axes;
   // what an exact symmetry makes the same is listed once.
   std::span<const Pose> near_turns() const { return near_.first(turn_count_); }
   std::span<const Pose> near_steps() const { return near_.subspan(turn_count_); }
 
  private:
+  Pose about_axis(const ObjectModel& model, const Pose& T, double& nearness) const;
   bool same_about_axis(const Pose& a, const Pose& b, double position_mm, double rotation_rad) const;
 
   std::span<Pose> exact_;  // without the identity

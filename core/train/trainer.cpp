@@ -101,9 +101,9 @@ std::vector<std::uint8_t> train_model(const ImportedMesh& part, const TrainOptio
       mesh, bounds.diameter_mm,
       symmetry_tolerance(bounds.diameter_mm, std::sqrt(options.camera.fx * options.camera.fy),
                          camera.reference_distance_mm));
-  const PoseTree tree = make_pose_tree(options);
+  const PoseTree tree = make_pose_tree(options, symmetry);
   const std::vector<RenderedSample> samples = make_sample_pool(
-      mesh, options, camera, sample_pool_size(options), pool, share_of(progress, 0, 0.25));
+      mesh, options, tree, camera, sample_pool_size(options), pool, share_of(progress, 0, 0.25));
   const std::vector<ViewSamples> views = make_view_samples(mesh, tree, camera, pool);
   const TemplateSet templates =
       build_templates(tree, samples, camera, options, pool, share_of(progress, 0.3, 1));

@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "pose/view_lookup.hpp"
 #include "symmetry_rows.hpp"
 
 namespace binpick {
@@ -18,7 +19,7 @@ struct Part {
   PartMoves moves;
 
   Part(const std::vector<SymmetryTurn>& turns, const std::vector<SymmetryAxis>& axes)
-      : bytes(with_symmetry(tiny_model_bytes(), turns, axes)) {
+      : bytes(with_symmetry(tiny(), turns, axes)) {
     const Result<ObjectModel> model = ObjectModel::parse(bytes);
     BINPICK_ASSERT(model.ok());
     PartMoves::plan(model.value(), plan);
@@ -26,6 +27,11 @@ struct Part {
     moves = PartMoves(model.value(), *arena);
     EXPECT_EQ(plan.bytes, arena->used_bytes());
   }
+  static const std::vector<std::uint8_t>& tiny() {
+    static const std::vector<std::uint8_t> once = tiny_model_bytes();
+    return once;
+  }
+  ObjectModel model() const { return ObjectModel::parse(bytes).value(); }
 };
 
 SymmetryAxis about_z(double x_mm, SymmetryKind kind = SymmetryKind::kExact) {
@@ -73,6 +79,33 @@ TEST(PartMoves, OfABallOnlyThePlaceCounts) {
   const Part part({}, {about_z(0), axis_row(Vec3::UnitX())});
   EXPECT_TRUE(part.moves.same(kPose, kPose * turned(Vec3::UnitY(), 123), kMm, kRad));
   EXPECT_FALSE(part.moves.same(kPose, kPose * Pose{Mat3::Identity(), {0.6, 0, 0}}, kMm, kRad));
+}
+
+// How near the part is seen to one of the model's viewpoints.
+double nearness(const ObjectModel& model, const Pose& T) {
+  return viewing_direction(nearest_viewpoint(model, T)).dot(T.R.transpose() * T.t_mm.normalized());
+}
+
+// A move about an axis beside the middle shifts the part, and so the ray that it is seen along.
+constexpr double kPerspective = 0.01;
+
+TEST(PartMoves, TheCanonicalPoseIsTheEqualOneNearestToAViewpoint) {
+  const Part flips({turn_row(Vec3::UnitX(), 180, 2)}, {}), round({}, {about_z(3)}),
+      ball({}, {about_z(0), axis_row(Vec3::UnitX())});
+  for (int i = 0; i < 50; ++i) {
+    const Pose T{rotation_from_vector(Vec3(0.13 * i, 1.1 - 0.05 * i, 0.7)), Vec3(30, -20, 500)};
+    for (const Part* part : {&flips, &round, &ball}) {
+      const Pose same = part->moves.canonical(part->model(), T);
+      EXPECT_TRUE(part->moves.same(T, same, 1e-6, 1e-5)) << i;
+      EXPECT_GE(nearness(part->model(), same), nearness(part->model(), T) - kPerspective) << i;
+    }
+    const Pose flipped = T * turned(Vec3::UnitX(), 180);
+    EXPECT_GE(nearness(flips.model(), flips.moves.canonical(flips.model(), T)),
+              nearness(flips.model(), flipped) - kPerspective);
+    EXPECT_NEAR(1, nearness(ball.model(), ball.moves.canonical(ball.model(), T)), 1e-6);
+  }
+  const Part none({}, {});
+  EXPECT_TRUE(none.moves.canonical(none.model(), kPose).R == kPose.R);
 }
 
 TEST(PartMoves, NearStepsAreListedOnceForAllThatLookTheSame) {

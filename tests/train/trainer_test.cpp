@@ -369,9 +369,9 @@ TEST(SamplePool, SurroundsEveryLeafViewpointWithItsWholeTiltJitter) {
       TemplateCamera camera = make_template_camera(options, mesh_bounds(mesh));
       camera.intrinsics.width = camera.intrinsics.height = 8;  // what is seen does not matter here
       SerialPool pool;
-      const auto samples =
-          make_sample_pool(mesh, options, camera, sample_pool_size(options), pool, {});
       const PoseTree tree = make_pose_tree(options);
+      const auto samples =
+          make_sample_pool(mesh, options, tree, camera, sample_pool_size(options), pool, {});
       std::size_t fewest = samples.size();
       double off_most = 0;
       for (const TreeViewpoint& view : tree.leaves().viewpoints) {
