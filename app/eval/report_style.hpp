@@ -58,6 +58,10 @@ figure { margin: 0 0 20px; } figure img { max-width: 100%; max-height: 520px; di
 figcaption { color: var(--soft); font-size: 13.5px; margin-top: 6px; }
 .pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(520px, 1fr));
   gap: 4px 16px; }
+.crops { display: grid; grid-template-columns: repeat(auto-fill, minmax(380px, 1fr));
+  gap: 4px 16px; }
+.crops img { width: 100%; }
+.causes td { text-align: left; } .causes td:last-child { white-space: normal; }
 .faults { border-left: 4px solid var(--wrong); }
 .faults ul { margin: 0; padding-left: 20px; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 4px 20px; margin: 0; }
