@@ -20,6 +20,8 @@
 #include "eval/fault_tables.hpp"
 #include "eval/report_html.hpp"
 #include "eval/report_pictures.hpp"
+#include "eval/sweep.hpp"
+#include "eval/sweep_tables.hpp"
 #include "eval/table.hpp"
 #include "replace_file.hpp"
 #include "thread_pool.hpp"
@@ -35,6 +37,8 @@ struct Options {
   int threads = default_thread_count();
   double threshold = DetectRequest{}.min_score;
   bool oracle = false;
+  std::string sweep;  // empty: none
+  std::vector<Disturbance> disturbances;
   EvalSettings settings;
   train::TrainOptions train;
 };
@@ -67,10 +71,22 @@ EvalTalk terminal_talk() {
   return talk;
 }
 
+std::vector<Disturbance> disturbances_of(const Options& o) {
+  if (o.sweep.empty()) return {};
+  try {
+    return parse_disturbances(o.sweep);
+  } catch (const std::invalid_argument& e) {
+    throw CLI::ValidationError("--sweep", "'" + std::string(e.what()) +
+                                              "': expected all, or noise, missing, contrast, "
+                                              "light, focal, centre, separated by commas");
+  }
+}
+
 void take_settings(Options& options) {
   DetectorParams& params = options.settings.search.params;
   params.layout = options.layout == "plain" ? MapLayout::kPlain : MapLayout::kRearranged;
   params.isa = parse_isa("--isa", options.isa);
+  options.disturbances = disturbances_of(options);
 }
 
 std::vector<std::pair<std::string, std::string>> facts_of(const Options& o) {
@@ -117,12 +133,13 @@ struct Outcome {
   EvalRun run;
   std::vector<ModelOrigin> models;
   std::vector<TargetFinding> targets;  // of the oracle
+  Sweep sweep;
 };
 
 // Camera groups one after the other, each with its own models and detector. The oracle's pass knows
 // the truth; it comes after the search, and changes nothing of it.
 Outcome search(Session& s) {
-  Outcome out;
+  Outcome out{{}, {}, {}, Sweep(s.options.disturbances)};
   out.run.faults = s.plan.faults;
   const ModelCache cache(s.options.model_cache);
   BopResultsWriter writer(s.options.csv);
@@ -138,8 +155,10 @@ Outcome search(Session& s) {
     out.models.insert(out.models.end(), models.origins().begin(), models.origins().end());
     run_group(s.dataset, s.plan, group, models, s.options.settings, s.pool, s.talk, output,
               out.run);
+    if (s.plan.truth.empty()) continue;
     if (s.options.oracle)
       run_oracle(oracle, group, models, s.pool, s.talk, out.targets, out.run.faults);
+    out.sweep.run_group(s.dataset, s.plan, group, models, s.options.settings, s.pool, s.talk);
   }
   writer.close();
   if (evidence) evidence->close();
@@ -151,6 +170,15 @@ void write_report(const Session& s, ReportContent content, const std::vector<Res
   content.pictures = worst_pictures(s.dataset, s.plan, s.parts, content.score, rows, kPicturesMax);
   write_text((std::filesystem::path(s.options.report) / "report.html").string(),
              report_html(content));
+}
+
+std::vector<SweepCurves> curves_of(const Session& s, const Outcome& outcome,
+                                   const ScoreReport& score) {
+  if (s.options.sweep.empty() || s.plan.truth.empty()) return {};
+  std::vector<SweepCurves> curves = score_sweep(outcome.sweep, score, s.geometry, s.plan.truth);
+  curves.push_back(visibility_curves(score, s.plan.truth, outcome.run.rows));
+  curves.push_back(threshold_curves(score));
+  return curves;
 }
 
 int run(const Options& options) {
@@ -169,14 +197,17 @@ int run(const Options& options) {
   }
   std::printf("%s\n%s", stage_table(lines).c_str(), level_table(lines).c_str());
   std::vector<PartFaults> faults;
-  if (options.oracle) {
+  if (options.oracle && !s.plan.truth.empty()) {
     faults = analyse_faults(score, s.plan.truth, s.geometry, run.rows, outcome.targets);
     std::printf("\n%s", fault_table(faults).c_str());
   }
+  const std::vector<SweepCurves> curves = curves_of(s, outcome, score);
+  if (!curves.empty()) std::printf("\n%s", sweep_table(curves, outcome.sweep.noise_mm()).c_str());
   const auto facts = facts_of(options);
   if (!options.json.empty()) {
     nlohmann::json out = eval_to_json(score, run, outcome.models, facts);
-    if (options.oracle) out["oracle"] = faults_to_json(faults, run.rows);
+    if (!faults.empty()) out["oracle"] = faults_to_json(faults, run.rows);
+    if (!curves.empty()) out["sweep"] = sweep_to_json(curves, outcome.sweep.noise_mm());
     write_text(options.json, out.dump(1) + "\n");
   }
   if (!options.report.empty()) {
@@ -189,6 +220,7 @@ int run(const Options& options) {
     content.faults = run.faults;
     content.reach = reach_section_html(faults);
     content.causes = cause_section_html(faults, s.plan.truth, run.rows);
+    content.curves = sweep_section_html(curves, outcome.sweep.noise_mm());
     content.fault_pictures =
         fault_pictures(s.dataset, s.plan, s.parts, faults, run.rows, kCropsMax);
     write_report(s, std::move(content), run.rows);
@@ -219,6 +251,13 @@ void add_eval_command(CLI::App& app, int& exit_status) {
   command->add_option("--report", o->report, "Folder for report.html");
   command->add_flag("--oracle", o->oracle,
                     "Also begin every part at its true pose, and name the cause of every fault");
+  command
+      ->add_option("--sweep", o->sweep,
+                   "Also search frames made worse, and give curves of F1: all (when nothing "
+                   "follows), or some of noise, missing, contrast, light, focal, centre, separated "
+                   "by commas; each is 3 to 5 further runs, --scenes bounds their time")
+      ->expected(0, 1)
+      ->default_str("all");
   command->add_option("--max-results", o->settings.search.max_results, "Poses per frame, at most")
       ->check(number_between(1, 1024))
       ->capture_default_str();

@@ -23,22 +23,23 @@ FalsePick classify_false_pick(const PartGeometry& part, int obj_id, const Pose& 
                               const std::vector<ScoredInstance>& instances,
                               const PoseLimits& limits) {
   FalsePick pick;
-  double best = 1e9;
+  // The part it stands in is the one to compare with, however it is turned: that of a neighbour
+  // may be nearer in angle.
+  double error = 1e9;
   for (std::size_t i = 0; i < instances.size(); ++i) {
     if (instances[i].truth.obj_id != obj_id) continue;
     const PoseError6 e = part.six_errors(estimate, instances[i].truth.T_cam_obj, limits);
     const double shift = Vec3(e[0], e[1], e[2]).norm();
     if (shift > kNearShare * part.diameter_mm()) continue;
-    const double error = relative_error(e, limits);
-    if (error >= best) continue;
-    best = error;
+    if (pick.instance >= 0 && shift >= pick.shift_mm) continue;
+    error = relative_error(e, limits);
     pick.instance = static_cast<int>(i);
     pick.shift_mm = shift;
     pick.turn_deg = Vec3(e[3], e[4], e[5]).norm();
   }
   if (pick.instance < 0) return pick;
   const bool in_place = pick.shift_mm <= std::max(limits.mm, kInPlaceShare * part.diameter_mm());
-  if (best < 1) {
+  if (error < 1) {
     pick.kind = FalsePickKind::kRepeated;
   } else if (pick.turn_deg <= limits.deg) {
     pick.kind = FalsePickKind::kSlid;

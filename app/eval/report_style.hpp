@@ -47,6 +47,10 @@ td.bar-cell { width: 55%; }
 .stage-4 { fill: #54a24b; background: #54a24b; } .stage-5 { fill: #e45756; background: #e45756; }
 .stage-6 { fill: #b279a2; background: #b279a2; } .stage-7 { fill: #9d755d; background: #9d755d; }
 .stage-8 { fill: #8a939c; background: #8a939c; }
+.line { fill: none; stroke-width: 1.8; stroke-linejoin: round; }
+.line-0 { stroke: #4c78a8; } .line-1 { stroke: #f58518; } .line-2 { stroke: #e0b83c; }
+.line-3 { stroke: #72b7b2; } .line-4 { stroke: #54a24b; } .line-5 { stroke: #e45756; }
+.line-6 { stroke: #b279a2; } .line-7 { stroke: #9d755d; } .line-8 { stroke: #8a939c; }
 .legend { display: flex; flex-wrap: wrap; gap: 6px 18px; margin: 0 0 12px; color: var(--soft);
   font-size: 13px; }
 .legend i { display: inline-block; width: 12px; height: 12px; border-radius: 3px; margin-right: 6px;

@@ -163,6 +163,17 @@ TEST(FalsePick, IsNamedByWhatItIsMostLike) {
   EXPECT_EQ(kind_of({0, 0, 0}, {60, 0, 0}), FalsePickKind::kClutter);
 }
 
+// Turned right round in its place, beside a neighbour whose pose is nearer in angle.
+TEST(FalsePick, IsComparedWithThePartThatItStandsIn) {
+  const Pose neighbour{rotation_from_vector(Vec3(0, 0, 2.6)), Vec3(20, 0, 600)};
+  const std::vector<ScoredInstance> instances{{{1, neighbour, 0.9}, true},
+                                              {{1, kTruth, 0.9}, true}};
+  const Pose estimate{rotation_from_vector(Vec3(0, 0, 3.1)), kTruth.t_mm};
+  const FalsePick pick = classify_false_pick(some_part(), 1, estimate, instances, {});
+  EXPECT_EQ(pick.instance, 1);
+  EXPECT_EQ(pick.kind, FalsePickKind::kFlipped);
+}
+
 // Two parts to find; one is found, one is lost in the scan; and a false pick that stands where the
 // lost one would be.
 struct Case {

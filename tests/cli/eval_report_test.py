@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""binpick eval with its oracle over a sample bin: the account of faults adds up, and nothing of it
-reaches the detections. Argument: the binpick program. Trains one part with few samples."""
+"""binpick eval with oracle and sweep over a sample bin: the account of faults adds up, the curves
+begin at the run, and nothing of either reaches the detections. Argument: the binpick program.
+Trains one part with few samples."""
 
 import csv
 import json
@@ -21,7 +22,8 @@ class EvalReportTest(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(cls.folder.cleanup)
         cls.plain = cls.evaluate("plain")
-        cls.full = cls.evaluate("full", "--oracle", "--report", "report")
+        cls.full = cls.evaluate("full", "--oracle", "--sweep", "missing,centre",
+                                "--report", "report")
         cls.json = json.loads((Path(cls.folder.name) / "full.json").read_text())
         cls.page = (Path(cls.folder.name) / "report" / "report.html").read_text()
 
@@ -57,8 +59,19 @@ class EvalReportTest(unittest.TestCase):
         self.assertGreater(part["from_truth"]["recall"], 0.8)
         self.assertGreaterEqual(part["from_truth"]["f1"] + 0.05, part["run"]["f1"])
 
+    def test_curves_begin_at_the_run_and_fall(self):
+        sweep = self.json["sweep"]
+        for name in ("missing", "centre"):
+            (part,) = sweep[name]["parts"]
+            self.assertEqual(part["x"][0], 0)
+            self.assertEqual(part["y"][0], self.json["parts"][0]["f1"])
+            self.assertLess(part["y"][-1], part["y"][0], name)
+        self.assertNotIn("noise", sweep)
+        self.assertTrue(sweep["visible"]["parts"][0]["y"])
+        self.assertTrue(sweep["threshold"]["parts"][0]["y"])
+
     def test_report_and_text_show_it(self):
-        for text in ("What is reachable", "Every fault and its cause"):
+        for text in ("What is reachable", "Every fault and its cause", "How scores fall"):
             self.assertIn(text, self.page)
         self.assertIn("what is reachable", self.full[1])
         self.assertNotIn("what is reachable", self.plain[1])
