@@ -269,7 +269,7 @@ class EvaluationTest(CliTest):
             self.refused(CANNOT_START, ["nowhere"], *command)
 
     def test_values(self):
-        for option in ("--scenes=x", "--objects=-", "--threads=0", "--min-score=7"):
+        for option in ("--scenes=x", "--objects=-", "--threads=0", "--min-score=7", "--sweep=fog"):
             with self.subTest(option):
                 run = self.start("eval", "dataset", "--csv", "out.csv", option)
                 self.assertEqual(run.returncode, USAGE, run.stderr)

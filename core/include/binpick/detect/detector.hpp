@@ -20,6 +20,8 @@
 
 namespace binpick {
 
+class StageObserver;
+
 // The largest problem a detector is built for; memory is sized by this.
 struct DetectorLimits {
   int image_width = 1280, image_height = 1024;
@@ -41,6 +43,8 @@ struct DetectRequest {
   // Late by at most one distance of the scan or a few poses. 0: no deadline. Where it is not
   // reached the answer is the same as without one.
   std::int64_t deadline_ns = 0;
+  // Looks on between the stages (diagnosis.hpp); none in the cycle of a station.
+  StageObserver* observer = nullptr;
 };
 
 class Detector {
