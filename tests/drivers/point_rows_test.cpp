@@ -72,6 +72,7 @@ PointAxes axes_for(PointLayout layout, std::mt19937& random) {
   Scan3dAxis a{0.25, -300, {}}, b{0.26, -250, {}}, c{0.1, random() % 2 == 0 ? 0.0 : 3.5, 65535.0};
   if (random() % 3 == 0) c = {1, 0, {}};
   if (random() % 3 == 0) c = {-0.5, 900, 0.0};
+  if (random() % 4 == 0) c = {0.25, 0, 0.1};  // a code that no float is
   return {layout, AxisInPx(a, 1000), AxisInPx(b, 1000), AxisInMm(c, 1), 320.5f, 239.25f};
 }
 
