@@ -175,7 +175,7 @@ int TargetsRowOf(const PointAxes& axes, const std::uint8_t* points, int width, i
   const V one = hn::Set(d, 1.0f), whole = hn::Set(d, kWholeInLastBits);
   const V u_end = hn::Set(d, static_cast<float>(width));
   const V v_end = hn::Set(d, static_cast<float>(image_height));
-  const V z_end = hn::Inf(d);
+  const V none = hn::Set(d, kNoPoint);
   const V corner_u = hn::Set(d, axes.cu + 0.5f), corner_v = hn::Set(d, axes.cv + 0.5f);
   const auto columns = hn::Set(d32, width);
   // What the first bits of both sums add to an index, to be taken off at once, modulo 2^32.
@@ -192,14 +192,14 @@ int TargetsRowOf(const PointAxes& axes, const std::uint8_t* points, int width, i
     const V u = hn::Add(hn::Mul(TimesZ(d, a, axis_a), per_z), corner_u);
     const V v = hn::Add(hn::Mul(TimesZ(d, b, axis_b), per_z), corner_v);
     // A point of depth 0 is outside by itself: u is NaN or infinite.
-    const auto in_image = hn::And(hn::And(Inside(u, u_end), Inside(v, v_end)), Inside(z, z_end));
+    const auto in_image = hn::And(hn::And(Inside(u, u_end), Inside(v, v_end)), Inside(z, none));
     const auto inside = hn::AndNot(hn::Eq(c, invalid), in_image);
     const auto row = hn::BitCast(d32, hn::Add(hn::Floor(v), whole));
     const auto column = hn::BitCast(d32, hn::Add(hn::Floor(u), whole));
     const auto index = hn::Sub(hn::Add(hn::Mul(row, columns), column), surplus);
     const auto own = hn::Add(hn::Set(d32, y * width + x), steps);
     hn::StoreU(hn::IfThenElse(hn::RebindMask(d32, inside), index, own), d32, target + x);
-    hn::StoreU(hn::IfThenElseZero(inside, z), d, depth_mm + x);
+    hn::StoreU(hn::IfThenElse(inside, z, none), d, depth_mm + x);
   }
   return x;
 }
