@@ -12,6 +12,7 @@ class ConfidenceRows {
   ConfidenceRows(const PayloadPart* part, double min);
   // Sets the depth of row y to `unsure_mm` where it is not sure.
   void apply(int y, float* depth_mm, float unsure_mm = 0) const;
+  const PayloadPart* part() const { return part_; }
 
  private:
   const PayloadPart* part_;
