@@ -128,11 +128,11 @@ DropReason PayloadConverter::convert(std::span<const PayloadPart> parts, const S
     return DropReason::kFormat;
 
   const int width = depth->width, height = depth->height;
-  if (intensity != nullptr) convert_intensity(*intensity, width, height, slot.intensity.data());
   const bool grid = is_coord3d_abc(depth->format);
   if (grid) {
-    convert_points(*depth, confidence, scan3d, intensity != nullptr, slot);
+    convert_points(*depth, intensity, confidence, scan3d, slot);
   } else {
+    if (intensity != nullptr) convert_intensity(*intensity, width, height, slot.intensity.data());
     convert_depth(*depth, confidence, scan3d, slot);
   }
   const bool with_intensity = intensity != nullptr || depth->format == PixelFormat::kCoord3dAbcy16;
@@ -152,6 +152,7 @@ void PayloadConverter::convert_intensity(const PayloadPart& part, int width, int
     gray_row(part.format, part.row(y), part.width,
              full + static_cast<std::ptrdiff_t>(y) * part.width);
   }
+  // `gray` may be `full`: no mean is written before the last pixel that it stands in is read.
   if (factor > 1) reduce_gray(full, width * factor, height * factor, factor, gray);
 }
 
@@ -168,25 +169,36 @@ void PayloadConverter::convert_depth(const PayloadPart& part, const PayloadPart*
     sure.apply(y, slot.depth_mm.data() + static_cast<std::ptrdiff_t>(y) * part.width);
 }
 
-// `has_gray`: the slot's intensity is that of the grid.
-void PayloadConverter::convert_points(const PayloadPart& part, const PayloadPart* confidence,
-                                      const Scan3d& scan3d, bool has_gray, FrameSlot& slot) {
+void PayloadConverter::convert_points(const PayloadPart& part, const PayloadPart* intensity,
+                                      const PayloadPart* confidence, const Scan3d& scan3d,
+                                      FrameSlot& slot) {
   const ConfidenceRows sure(confidence, params_.confidence_min);
   const bool carries_gray = part.format == PixelFormat::kCoord3dAbcy16;
   float* depth_mm = slot.depth_mm.data();
-  std::uint8_t* gray = has_gray || carries_gray ? slot.intensity.data() : nullptr;
+  std::uint8_t* gray = slot.intensity.data();
   if (grid_depth(part, scan3d, depth_mm)) {
     for (int y = 0; y < part.height; ++y)
       sure.apply(y, depth_mm + static_cast<std::ptrdiff_t>(y) * part.width);
-    if (carries_gray && !has_gray) grid_gray(part, gray);
+    if (intensity != nullptr) {
+      convert_intensity(*intensity, part.width, part.height, gray);
+    } else if (carries_gray) {
+      grid_gray(part, gray);
+    }
     return;
   }
-  const std::uint8_t* unmoved = nullptr;
-  if (has_gray) {
-    std::copy_n(gray, static_cast<std::ptrdiff_t>(part.width) * part.height, gray_scratch_.data());
-    unmoved = gray_scratch_.data();
+  // The gray of the grid moves with the points. It is converted row by row where that can be.
+  PayloadPart grid_gray;
+  if (intensity != nullptr && intensity->width == part.width) {
+    grid_gray = *intensity;
+  } else if (intensity != nullptr) {
+    convert_intensity(*intensity, part.width, part.height, gray_scratch_.data());
+    grid_gray.format = PixelFormat::kMono8;
+    grid_gray.width = part.width;
+    grid_gray.height = part.height;
+    grid_gray.bytes = gray_scratch_;
   }
-  project_grid(part, scan3d, sure, unmoved, grid_scratch_, depth_mm, gray);
+  project_grid(part, scan3d, sure, intensity != nullptr ? &grid_gray : nullptr, grid_scratch_,
+               depth_mm, intensity != nullptr || carries_gray ? gray : nullptr);
 }
 
 }  // namespace binpick::drivers

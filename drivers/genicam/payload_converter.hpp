@@ -40,8 +40,8 @@ class PayloadConverter {
   void convert_intensity(const PayloadPart& part, int width, int height, std::uint8_t* gray);
   void convert_depth(const PayloadPart& part, const PayloadPart* confidence, const Scan3d& scan3d,
                      FrameSlot& slot);
-  void convert_points(const PayloadPart& part, const PayloadPart* confidence, const Scan3d& scan3d,
-                      bool has_gray, FrameSlot& slot);
+  void convert_points(const PayloadPart& part, const PayloadPart* intensity,
+                      const PayloadPart* confidence, const Scan3d& scan3d, FrameSlot& slot);
 
   PayloadParams params_;
   DepthTable table_;

@@ -1,8 +1,10 @@
 #include "genicam/point_grid.hpp"
 
-#include <algorithm>
-#include <bit>
+#include <hwy/cache_control.h>
 
+#include <algorithm>
+
+#include "genicam/gray_rows.hpp"
 #include "genicam/point_rows.hpp"
 
 namespace binpick::drivers {
@@ -23,28 +25,26 @@ PointAxes axes_of(const PayloadPart& part, const Scan3d& s) {
           static_cast<float>(s.principal_v_px)};
 }
 
-// Both without a branch: which of two points is the nearer nobody can predict, and a wrong guess
-// costs more than all the rest. Depths are not negative, so that their bits are in their order; of
-// one less than the bits, 0 (no measurement) is the farthest.
-
+// Without a branch: which of two points is the nearer nobody can predict, and a wrong guess costs
+// more than all the rest.
 void keep_nearest(const float* points_mm, const std::int32_t* target, int count, float* depth_mm) {
   for (int i = 0; i < count; ++i) {
-    const std::uint32_t held = std::bit_cast<std::uint32_t>(depth_mm[target[i]]) - 1;
-    const std::uint32_t mine = std::bit_cast<std::uint32_t>(points_mm[i]) - 1;
-    depth_mm[target[i]] = std::bit_cast<float>(std::min(held, mine) + 1);
+    const float held = depth_mm[target[i]], mine = points_mm[i];
+    depth_mm[target[i]] = mine < held ? mine : held;
   }
 }
 
-void keep_nearest(const float* points_mm, const std::uint8_t* points_gray,
-                  const std::int32_t* target, int count, float* depth_mm, std::uint8_t* gray) {
-  for (int i = 0; i < count; ++i) {
-    const std::int32_t to = target[i];
-    const std::uint32_t held = std::bit_cast<std::uint32_t>(depth_mm[to]) - 1;
-    const std::uint32_t mine = std::bit_cast<std::uint32_t>(points_mm[i]) - 1;
-    const std::uint32_t nearer = 0u - static_cast<std::uint32_t>(mine < held);  // all bits or none
-    depth_mm[to] = std::bit_cast<float>(std::min(held, mine) + 1);
-    gray[to] = static_cast<std::uint8_t>(gray[to] ^ ((gray[to] ^ points_gray[i]) & nearer));
-  }
+void no_point_is_zero(std::ptrdiff_t count, float* depth_mm) {
+  for (std::ptrdiff_t i = 0; i < count; ++i) depth_mm[i] = depth_mm[i] < kNoPoint ? depth_mm[i] : 0;
+}
+
+// Following the targets leaves the memory idle: the next row may come meanwhile.
+void fetch_row(const PayloadPart& part, int y) {
+  constexpr std::size_t kLineBytes = 64;
+  if (y >= part.height) return;
+  const std::uint8_t* row = part.row(y);
+  const std::size_t bytes = row_bytes(part.format, part.width);
+  for (std::size_t i = 0; i < bytes; i += kLineBytes) hwy::Prefetch(row + i);
 }
 
 }  // namespace
@@ -59,29 +59,38 @@ bool grid_depth(const PayloadPart& part, const Scan3d& scan3d, float* depth_mm) 
 }
 
 void project_grid(const PayloadPart& part, const Scan3d& scan3d, const ConfidenceRows& confidence,
-                  const std::uint8_t* grid_gray, GridScratch& scratch, float* depth_mm,
+                  const PayloadPart* grid_gray, GridScratch& scratch, float* depth_mm,
                   std::uint8_t* gray) {
   const PointAxes axes = axes_of(part, scan3d);
-  const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(part.width) * part.height;
+  const std::int32_t count = part.width * part.height;
   float* points_mm = scratch.depth_mm.data();
   std::int32_t* target = scratch.target.data();
-  std::fill(depth_mm, depth_mm + count, 0.0f);
-  if (gray != nullptr) std::fill(gray, gray + count, std::uint8_t{0});
+  if (gray != nullptr) {
+    scratch.window.begin(part.width, part.height, depth_mm, gray);
+  } else {
+    std::fill(depth_mm, depth_mm + count, kNoPoint);
+  }
   for (int y = 0; y < part.height; ++y) {
     const std::uint8_t* points = part.row(y);
     point_targets_row(axes, points, part.width, y, part.height, points_mm, target);
-    confidence.apply(y, points_mm);
+    confidence.apply(y, points_mm, kNoPoint);
+    for (const PayloadPart* image : {&part, grid_gray, confidence.part()})
+      if (image != nullptr) fetch_row(*image, y + 1);
     if (gray == nullptr) {
       keep_nearest(points_mm, target, part.width, depth_mm);
       continue;
     }
-    const std::uint8_t* row_gray = scratch.gray.data();
     if (grid_gray != nullptr) {
-      row_gray = grid_gray + static_cast<std::ptrdiff_t>(y) * part.width;
+      gray_row(grid_gray->format, grid_gray->row(y), part.width, scratch.gray.data());
     } else {
       point_gray_row(points, part.width, scratch.gray.data());
     }
-    keep_nearest(points_mm, row_gray, target, part.width, depth_mm, gray);
+    scratch.window.add_row(points_mm, scratch.gray.data(), target, part.width);
+  }
+  if (gray != nullptr) {
+    scratch.window.finish();
+  } else {
+    no_point_is_zero(count, depth_mm);
   }
 }
 

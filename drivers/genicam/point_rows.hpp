@@ -4,10 +4,14 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "genicam/depth_table.hpp"
 
 namespace binpick::drivers {
+
+// Depth of no point where points compete for pixels: farther than all others.
+constexpr float kNoPoint = std::numeric_limits<float>::infinity();
 
 enum class PointLayout { kAbc32f, kAbc16, kAbcy16 };
 
@@ -36,8 +40,8 @@ bool points_on_rays_scalar(const PointAxes& axes, const std::uint8_t* points, in
                            int width, int y, const float* depth_mm);
 // Projects the points of row y into an image of `width` columns and `image_height` rows:
 // depth_mm[x] as above, target[x] = index of the pixel that the point falls into. A point without
-// depth, or outside of the image, gets depth 0 and its own place as target: so that whoever follows
-// the targets needs no branch, and many such points do not all meet in one pixel. width *
+// depth, or outside of the image, gets kNoPoint and its own place as target: so that whoever
+// follows the targets needs no branch, and many such points do not all meet in one pixel. width *
 // image_height fits an int.
 void point_targets_row_scalar(const PointAxes& axes, const std::uint8_t* points, int x_begin,
                               int width, int y, int image_height, float* depth_mm,

@@ -8,6 +8,7 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include <bit>
 #include <limits>
 
 HWY_BEFORE_NAMESPACE();
@@ -68,36 +69,56 @@ struct Shorts4 {
   }
 };
 
-// Half of the lanes: code * scale + offset in double, rounded to float once; 0 where the code is
-// the invalid one.
+// Half of the lanes: code * scale + offset in double, rounded to float once.
 template <class DHalf>
 hn::Vec<DHalf> MillimetresHalf(DHalf d, hn::Vec<DHalf> code, const AxisInMm& axis) {
   const hn::Rebind<double, DHalf> d64;
   const auto wide = hn::PromoteTo(d64, code);
   const auto z = hn::Add(hn::Mul(wide, hn::Set(d64, axis.scale)), hn::Set(d64, axis.offset));
-  const auto invalid = hn::Eq(wide, hn::Set(d64, axis.invalid_code));
-  return hn::DemoteTo(d, hn::IfThenZeroElse(invalid, z));
+  return hn::DemoteTo(d, z);
 }
 
-V Millimetres(D d, V code, const AxisInMm& axis) {
-  const hn::Half<D> half;
-  const auto low = MillimetresHalf(half, hn::LowerHalf(half, code), axis);
-  const auto high = MillimetresHalf(half, hn::UpperHalf(half, code), axis);
-  const V z = hn::Combine(d, high, low);
-  const auto measured =
-      hn::And(hn::Gt(z, hn::Zero(d)), hn::Le(z, hn::Set(d, std::numeric_limits<float>::max())));
-  return hn::IfThenElseZero(measured, z);
+// The formula, before it is said what is a measurement.
+struct InDouble {
+  static V millimetres(D d, V code, const AxisInMm& axis) {
+    const hn::Half<D> half;
+    const auto low = MillimetresHalf(half, hn::LowerHalf(half, code), axis);
+    const auto high = MillimetresHalf(half, hn::UpperHalf(half, code), axis);
+    return hn::Combine(d, high, low);
+  }
+};
+// Where scale is a float and there is no offset: the product of two floats is exact in double, so
+// that its one rounding is that of a product in float.
+struct InFloat {
+  static V millimetres(D d, V code, const AxisInMm& axis) {
+    return hn::Mul(code, hn::Set(d, static_cast<float>(axis.scale)));
+  }
+};
+
+bool IsFloat(double value) {
+  return static_cast<double>(static_cast<float>(value)) == value;
 }
 
-template <class Codes>
+// The code that is no measurement. A code is a float: it equals no number that is not.
+V InvalidCode(D d, const AxisInMm& axis) {
+  return hn::Set(d, IsFloat(axis.invalid_code) ? static_cast<float>(axis.invalid_code)
+                                               : std::numeric_limits<float>::quiet_NaN());
+}
+
+template <class Codes, class Depth>
 int DepthRowOf(const PointAxes& axes, const std::uint8_t* points, int width, float* depth_mm) {
   const D d;
+  const AxisInMm axis = axes.c;  // a copy: what is stored may not change it
+  const V invalid = InvalidCode(d, axis);
+  const V zero = hn::Zero(d), max = hn::Set(d, std::numeric_limits<float>::max());
   const int lanes = static_cast<int>(hn::Lanes(d));
   int x = 0;
   for (; x + lanes <= width; x += lanes) {
     V a, b, c;
     Codes::load(d, points + x * Codes::kPointBytes, a, b, c);
-    hn::StoreU(Millimetres(d, c, axes.c), d, depth_mm + x);
+    const V z = Depth::millimetres(d, c, axis);
+    const auto measured = hn::And(hn::Gt(z, zero), hn::Le(z, max));
+    hn::StoreU(hn::IfThenElseZero(hn::AndNot(hn::Eq(c, invalid), measured), z), d, depth_mm + x);
   }
   return x;
 }
@@ -131,35 +152,63 @@ int OnRaysOf(const PointAxes& axes, const std::uint8_t* points, int width, int y
   return x;
 }
 
-template <class Codes>
+// 0 <= value < end, of floats by their bits: those of negative numbers and NaN are above all
+// others. (Those of minus zero, too; it is no sum with a corner, which is not minus zero itself,
+// and no measurement.)
+hn::Mask<D> Inside(V value, V end) {
+  const hn::Rebind<std::uint32_t, D> bits;
+  return hn::RebindMask(D(), hn::Lt(hn::BitCast(bits, value), hn::BitCast(bits, end)));
+}
+
+// 2^23 added to a whole number from 0 to below it makes the number the last bits of the sum.
+constexpr float kWholeInLastBits = 8388608.0f;
+
+template <class Codes, class Depth>
 int TargetsRowOf(const PointAxes& axes, const std::uint8_t* points, int width, int y,
                  int image_height, float* depth_mm, std::int32_t* target) {
   const D d;
   const hn::Rebind<std::int32_t, D> d32;
   const int lanes = static_cast<int>(hn::Lanes(d));
+  const AxisInMm axis = axes.c;  // copies: what is stored may not change them
+  const AxisInPx axis_a = axes.a, axis_b = axes.b;
+  const V invalid = InvalidCode(d, axis);
+  const V one = hn::Set(d, 1.0f), whole = hn::Set(d, kWholeInLastBits);
   const V u_end = hn::Set(d, static_cast<float>(width));
   const V v_end = hn::Set(d, static_cast<float>(image_height));
+  const V none = hn::Set(d, kNoPoint);
   const V corner_u = hn::Set(d, axes.cu + 0.5f), corner_v = hn::Set(d, axes.cv + 0.5f);
-  const V zero = hn::Zero(d);
+  const auto columns = hn::Set(d32, width);
+  // What the first bits of both sums add to an index, to be taken off at once, modulo 2^32.
+  const std::uint32_t first_bits = std::bit_cast<std::uint32_t>(kWholeInLastBits);
+  const std::uint32_t surplus_of_both = first_bits * static_cast<std::uint32_t>(width + 1);
+  const auto surplus = hn::Set(d32, static_cast<std::int32_t>(surplus_of_both));
   const auto steps = hn::Iota(d32, 0);  // here: a first value that is not constant is slow
   int x = 0;
   for (; x + lanes <= width; x += lanes) {
     V a, b, c;
     Codes::load(d, points + x * Codes::kPointBytes, a, b, c);
-    const V z = Millimetres(d, c, axes.c);
-    const V per_z = hn::Div(hn::Set(d, 1.0f), z);
-    const V u = hn::Add(hn::Mul(TimesZ(d, a, axes.a), per_z), corner_u);
-    const V v = hn::Add(hn::Mul(TimesZ(d, b, axes.b), per_z), corner_v);
-    const auto inside = hn::And(hn::And(hn::Gt(z, zero), hn::And(hn::Ge(u, zero), hn::Ge(v, zero))),
-                                hn::And(hn::Lt(u, u_end), hn::Lt(v, v_end)));
-    const auto row = hn::ConvertTo(d32, hn::IfThenElseZero(inside, v));
-    const auto column = hn::ConvertTo(d32, hn::IfThenElseZero(inside, u));
-    const auto index = hn::Add(hn::Mul(row, hn::Set(d32, width)), column);
+    const V z = Depth::millimetres(d, c, axis);
+    const V per_z = hn::Div(one, z);
+    const V u = hn::Add(hn::Mul(TimesZ(d, a, axis_a), per_z), corner_u);
+    const V v = hn::Add(hn::Mul(TimesZ(d, b, axis_b), per_z), corner_v);
+    // A point of depth 0 is outside by itself: u is NaN or infinite.
+    const auto in_image = hn::And(hn::And(Inside(u, u_end), Inside(v, v_end)), Inside(z, none));
+    const auto inside = hn::AndNot(hn::Eq(c, invalid), in_image);
+    const auto row = hn::BitCast(d32, hn::Add(hn::Floor(v), whole));
+    const auto column = hn::BitCast(d32, hn::Add(hn::Floor(u), whole));
+    const auto index = hn::Sub(hn::Add(hn::Mul(row, columns), column), surplus);
     const auto own = hn::Add(hn::Set(d32, y * width + x), steps);
     hn::StoreU(hn::IfThenElse(hn::RebindMask(d32, inside), index, own), d32, target + x);
-    hn::StoreU(hn::IfThenElseZero(inside, z), d, depth_mm + x);
+    hn::StoreU(hn::IfThenElse(inside, z, none), d, depth_mm + x);
   }
   return x;
+}
+
+// Calls with the way to depth.
+template <class Call>
+int WithDepth(const AxisInMm& axis, Call&& call) {
+  if (axis.offset == 0 && IsFloat(axis.scale)) return call(InFloat{});
+  return call(InDouble{});
 }
 
 // Calls with the loader of the layout.
@@ -177,7 +226,9 @@ int PointBytes(PointLayout layout) {
 // What is left of a row after whole vectors is the specification's.
 void DepthRow(const PointAxes& axes, const std::uint8_t* points, int width, float* depth_mm) {
   const int done = WithCodes(axes.layout, [&](auto codes) {
-    return DepthRowOf<decltype(codes)>(axes, points, width, depth_mm);
+    return WithDepth(axes.c, [&](auto depth) {
+      return DepthRowOf<decltype(codes), decltype(depth)>(axes, points, width, depth_mm);
+    });
   });
   point_depth_row_scalar(axes, points + done * PointBytes(axes.layout), width - done,
                          depth_mm + done);
@@ -195,7 +246,10 @@ bool OnRays(const PointAxes& axes, const std::uint8_t* points, int width, int y,
 void TargetsRow(const PointAxes& axes, const std::uint8_t* points, int width, int y,
                 int image_height, float* depth_mm, std::int32_t* target) {
   const int done = WithCodes(axes.layout, [&](auto codes) {
-    return TargetsRowOf<decltype(codes)>(axes, points, width, y, image_height, depth_mm, target);
+    return WithDepth(axes.c, [&](auto depth) {
+      return TargetsRowOf<decltype(codes), decltype(depth)>(axes, points, width, y, image_height,
+                                                            depth_mm, target);
+    });
   });
   point_targets_row_scalar(axes, points, done, width, y, image_height, depth_mm, target);
 }

@@ -72,7 +72,7 @@ void point_targets_row_scalar(const PointAxes& axes, const std::uint8_t* points,
       const bool inside = z > 0 && u >= 0 && v >= 0 && u < u_end && v < v_end;
       target[x] = inside ? static_cast<std::int32_t>(v) * width + static_cast<std::int32_t>(u)
                          : y * width + x;
-      depth_mm[x] = inside ? z : 0.0f;
+      depth_mm[x] = inside ? z : kNoPoint;
     }
   });
 }

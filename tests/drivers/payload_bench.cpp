@@ -38,27 +38,45 @@ std::vector<std::uint16_t> depth_codes(unsigned noise) {
   return codes;
 }
 
-std::vector<float> points(const std::vector<std::uint16_t>& codes, double bend) {
+// How the rays of the grid differ from those of the image that it is projected into.
+struct Lens {
+  const char* name;
+  double scale;     // of all rays
+  double bend;      // of those in the corners, beside it
+  double aside_mm;  // what measures, beside what the image is of
+};
+
+constexpr Lens kLenses[] = {
+    {"on their rays", 1, 0, 0},
+    // Neighbours go to neighbours.
+    {"to be projected", 1.02, 0, 0},
+    // Rows go over 40 rows, and every point by as much as its depth says: neighbours meet.
+    {"to be projected, bent and seen from aside", 0.98, -0.12, 40},
+};
+
+std::vector<float> points(const std::vector<std::uint16_t>& codes, const Lens& lens) {
   std::vector<float> abc;
   for (std::size_t i = 0; i < kPixels; ++i) {
     const double z = codes[i] * 0.1;
     const double x = static_cast<double>(i % kWidth) - 640,
                  y = static_cast<double>(i / kWidth) - 512;
-    abc.push_back(static_cast<float>(x * bend / 1900 * z));
-    abc.push_back(static_cast<float>(y * bend / 1900 * z));
+    const double scale = lens.scale + lens.bend * (x * x + y * y) / (640 * 640 + 512 * 512);
+    abc.push_back(static_cast<float>(x * scale / 1900 * z + lens.aside_mm));
+    abc.push_back(static_cast<float>(y * scale / 1900 * z + lens.aside_mm / 4));
     abc.push_back(static_cast<float>(z));
   }
   return abc;
 }
 
-// The same points in steps of 0.25 mm, x and y shifted to be positive, as LUCID Helios2 has them.
+// The same points in steps of 0.25 mm, x and y shifted to be positive, as LUCID Helios2 has them; z
+// in steps of its own.
 template <int kChannels>
-std::vector<std::uint16_t> point_codes(const std::vector<float>& points) {
+std::vector<std::uint16_t> point_codes(const std::vector<float>& points, float z_steps_per_mm) {
   std::vector<std::uint16_t> codes;
   for (std::size_t i = 0; i < kPixels; ++i) {
     codes.push_back(static_cast<std::uint16_t>((points[3 * i] + 8192) * 4));
     codes.push_back(static_cast<std::uint16_t>((points[3 * i + 1] + 8192) * 4));
-    codes.push_back(static_cast<std::uint16_t>(points[3 * i + 2] * 4));
+    codes.push_back(static_cast<std::uint16_t>(points[3 * i + 2] * z_steps_per_mm));
     if (kChannels == 4) codes.push_back(static_cast<std::uint16_t>(i));
   }
   return codes;
@@ -94,19 +112,24 @@ void run() {
   Scan3d steps = floats;
   steps.a = steps.b = {0.25, -8192, {}};
   steps.c = {0.25, 0, 65535.0};
-  // On their rays the points are the depth image; bent by a lens they are projected.
-  for (const double bend : {1.0, 1.02}) {
+  // As these steps are no float, each depth needs double.
+  Scan3d fine = steps;
+  fine.c = {0.1, 0, 65535.0};
+  for (const Lens& lens : kLenses) {
     for (const unsigned noise : {500u, 5u}) {
-      const std::vector<float> abc = points(depth_codes(noise), bend);
-      const auto abc32f = bytes_of(abc), abc16 = bytes_of(point_codes<3>(abc)),
-                 abcy16 = bytes_of(point_codes<4>(abc));
+      const std::vector<float> abc = points(depth_codes(noise), lens);
+      const auto abc32f = bytes_of(abc), abc16 = bytes_of(point_codes<3>(abc, 4)),
+                 abc16_fine = bytes_of(point_codes<3>(abc, 10)),
+                 abcy16 = bytes_of(point_codes<4>(abc, 4));
       const auto depth32f = part(PartRole::kDepth, PixelFormat::kCoord3dAbc32f, abc32f);
-      std::printf("points %s, %s\n", bend == 1.0 ? "on their rays" : "to be projected",
-                  noise == 500 ? "noisy" : "smooth");
+      std::printf("points %s, %s\n", lens.name, noise == 500 ? "noisy" : "smooth");
       bench("  ABC32f", {depth32f}, floats);
       bench("  ABC32f + Mono8", {depth32f, mono8}, floats);
       bench("  ABC32f + Confidence16", {depth32f, sure}, floats);
+      bench("  ABC32f + Mono8 + Confidence16", {depth32f, mono8, sure}, floats);
       bench("  ABC16", {part(PartRole::kDepth, PixelFormat::kCoord3dAbc16, abc16)}, steps);
+      bench("  ABC16, z in 0.1 mm",
+            {part(PartRole::kDepth, PixelFormat::kCoord3dAbc16, abc16_fine)}, fine);
       bench("  ABCY16", {part(PartRole::kDepth, PixelFormat::kCoord3dAbcy16, abcy16)}, steps);
     }
   }

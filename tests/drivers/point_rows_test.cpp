@@ -11,6 +11,7 @@
 #include <random>
 
 #include "drivers/payload_parts.hpp"
+#include "genicam/point_keys.hpp"
 
 namespace binpick::drivers {
 namespace {
@@ -72,6 +73,7 @@ PointAxes axes_for(PointLayout layout, std::mt19937& random) {
   Scan3dAxis a{0.25, -300, {}}, b{0.26, -250, {}}, c{0.1, random() % 2 == 0 ? 0.0 : 3.5, 65535.0};
   if (random() % 3 == 0) c = {1, 0, {}};
   if (random() % 3 == 0) c = {-0.5, 900, 0.0};
+  if (random() % 4 == 0) c = {0.25, 0, 0.1};  // a code that no float is
   return {layout, AxisInPx(a, 1000), AxisInPx(b, 1000), AxisInMm(c, 1), 320.5f, 239.25f};
 }
 
@@ -108,6 +110,16 @@ void compare_with_specification(std::mt19937& random) {
   }
 }
 
+TEST(PointKeys, TheSmallerIsTheNearerAndOfEquallyNearTheEarlier) {
+  const float least = std::numeric_limits<float>::denorm_min();
+  const float most = std::numeric_limits<float>::max();
+  EXPECT_LT(point_key(least, kPointOrders - 1, 255), point_key(2 * least, 0, 0));
+  EXPECT_LT(point_key(500, kPointOrders - 1, 255), point_key(std::nextafter(500.0f, most), 0, 0));
+  EXPECT_LT(point_key(500, 6, 255), point_key(500, 7, 0));
+  EXPECT_LT(point_key(most, kPointOrders - 1, 255), empty_key());
+  EXPECT_LT(empty_key(), point_key(kNoPoint, 1, 0));
+}
+
 // One point off its ray, at each place of a row whose other points lie within the tolerance.
 void compare_on_rays(std::mt19937& random) {
   const int width = 53, y = 40;
@@ -131,6 +143,49 @@ void compare_on_rays(std::mt19937& random) {
   }
 }
 
+// Depths of points, of any positive number, some of none.
+std::vector<float> make_depths(int count, std::mt19937& random) {
+  std::vector<float> depths;
+  for (int i = 0; i < count; ++i) {
+    const float depth = std::abs(wild_float(random));
+    depths.push_back(depth > 0 ? depth : kNoPoint);  // so is NaN
+  }
+  return depths;
+}
+
+void compare_keys(std::mt19937& random) {
+  for (int count = 0; count <= 70; ++count) {
+    const std::vector<float> depths = make_depths(count, random);
+    std::vector<std::uint8_t> points_gray;
+    std::vector<std::int32_t> target;
+    for (int i = 0; i < count; ++i) {
+      points_gray.push_back(static_cast<std::uint8_t>(random()));
+      target.push_back(static_cast<std::int32_t>(random() >> 1));
+    }
+    const TargetSpan span = target_span(depths.data(), target.data(), count);
+    const TargetSpan wanted = target_span_scalar(depths.data(), target.data(), count);
+    EXPECT_EQ(span.first, wanted.first);
+    EXPECT_EQ(span.last, wanted.last);
+
+    const std::uint32_t order = kPointOrders - 70;
+    auto keys = guarded<double>(count), keys_wanted = keys;
+    point_keys_scalar(depths.data(), points_gray.data(), order, count, keys_wanted.data());
+    point_keys(depths.data(), points_gray.data(), order, count, keys.data());
+    expect_same_bits(keys, keys_wanted, "keys");
+    for (int i = 0; i < count; ++i) {
+      if (random() % 4 == 0) keys[static_cast<std::size_t>(i)] = empty_key();
+    }
+    keys_wanted = keys;
+    auto depth = guarded<float>(count), depth_wanted = depth;
+    auto gray = guarded<std::uint8_t>(count), gray_wanted = gray;
+    take_pixels_scalar(keys_wanted.data(), count, depth_wanted.data(), gray_wanted.data());
+    take_pixels(keys.data(), count, depth.data(), gray.data());
+    expect_same_bits(keys, keys_wanted, "keys that were taken");
+    expect_same_bits(depth, depth_wanted, "depth from keys");
+    expect_same_bits(gray, gray_wanted, "gray from keys");
+  }
+}
+
 TEST(PointRows, EveryVectorUnitGivesTheBitsOfTheSpecification) {
   constexpr std::uint32_t kSeed = 20240607;
   const std::int64_t supported = hwy::SupportedTargets();
@@ -142,6 +197,7 @@ TEST(PointRows, EveryVectorUnitGivesTheBitsOfTheSpecification) {
     std::mt19937 random(kSeed);
     compare_with_specification(random);
     compare_on_rays(random);
+    compare_keys(random);
   }
   hwy::SetSupportedTargetsForTest(0);
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
