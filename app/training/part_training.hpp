@@ -13,7 +13,7 @@
 namespace binpick::app {
 
 struct TrialPlan {
-  int calibration_piles = 6;  // 0: the score stays as the evidence has it
+  int calibration_piles = 8;  // 0: the score stays as the evidence has it
   int test_piles = 4;         // 0: no self-test
 };
 

@@ -13,7 +13,8 @@ import unittest
 from pathlib import Path
 
 SAMPLE = Path(__file__).resolve().parents[1] / "data" / "bin-sample"
-QUICK = ["--samples", "100", "--gradient-threshold", "10", "--normal-threshold", "20"]
+QUICK = ["--samples", "100", "--gradient-threshold", "10", "--normal-threshold", "20",
+         "--calibration-piles", "0"]
 
 
 class EvalReportTest(unittest.TestCase):

@@ -57,6 +57,8 @@ LIBRARY_FOLDERS = {"Aravis": ("drivers/aravis/",), "libusb": ("drivers/usb/",),
 # Made in the build folder: (area, path as it is included).
 GENERATED = {("app", "modbus/register_map.hpp")}
 # The Modbus side knows registers, poses and sockets: nothing of detection, sensors and the rest.
+SIMULATION_SEES = ("app/simulation/", "core/include/binpick/base/",
+                   "core/include/binpick/geometry/")
 MODBUS_SEES = ("app/modbus/", "app/clock.hpp", "app/setup_error.hpp", "core/include/binpick/base/",
                "core/include/binpick/geometry/")
 DRIVERS_SEE_OF_CORE = {"base", "frame", "geometry"}
@@ -112,6 +114,8 @@ def fault_of_ours(relative, area, header):
     public = header.startswith(PUBLIC_ROOTS)
     if relative.startswith("app/modbus/") and not header.startswith(MODBUS_SEES):
         return "the Modbus side knows neither detection nor sensors"
+    if relative.startswith("app/simulation/") and not header.startswith(SIMULATION_SEES):
+        return "the simulation knows neither detection nor training"
     if not public and area in ("drivers", "app") and other != area:
         return f"a private header of {other}"
     if area == "drivers" and other == "core" and core_folder_of(header) not in DRIVERS_SEE_OF_CORE:

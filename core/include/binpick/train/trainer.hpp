@@ -32,11 +32,11 @@ struct TrainOptions {
   double roll_jitter_deg = 7.5;    // +- around the optical axis
   double distance_jitter_mm = 90;  // +-
   // Balanced pose tree (section III-B)
-  double roll_interval_deg = 6;      // at the leaves; rounded so that it halves evenly to the roots
+  double roll_interval_deg = 6;  // at the leaves; rounded so that it halves evenly to the roots
   // At the leaves, in the (geometric) middle of the range; in proportion to the distance elsewhere,
   // and wider where 64 steps do not span the range.
   double distance_interval_mm = 70;
-  int tree_depths = 4;               // 12, 42, 162, 642 viewpoints
+  int tree_depths = 4;  // 12, 42, 162, 642 viewpoints
   // Ours
   NormalCodebook normal_codebook = NormalCodebook::kHemisphere;
   int contour_features = 56;  // pixels of a template with a gradient orientation, at most
