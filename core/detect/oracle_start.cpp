@@ -58,10 +58,11 @@ class Starter {
     }
   }
 
+  // As one of the model's viewpoints shows it.
   Pose centre_pose() const {
     Pose T = reference_.poses.front();
     T.t_mm += T.R * centre_offset(model_);
-    return T;
+    return cycle_.moves[static_cast<std::size_t>(reference_.model_index)].canonical(model_, T);
   }
 
  private:
