@@ -208,9 +208,10 @@ int Detector::Impl::estimate_poses(int count, const Deadline& deadline,
   timed(Stage::kVerify, report, [&] { run_verify(end, living()); });
   count = timed(Stage::kSuppress, report,
                 [&] { return suppress(end, living(), kPerPlaceAfterIcp, report); });
-  const bool changed =
+  const SettleOutcome settled =
       timed(Stage::kVerify, report, [&] { return settle_near_poses(end, living()); });
-  if (changed) {
+  report.cut_short |= settled.cut_short;
+  if (settled.changed) {
     count = timed(Stage::kSuppress, report,
                   [&] { return suppress(end, living(), kPerPlaceAfterIcp, report); });
   }

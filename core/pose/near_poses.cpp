@@ -101,18 +101,20 @@ bool settle(const PoseContext& context, Hypothesis& h) {
 
 }  // namespace
 
-bool settle_near_poses(const PoseContext& context, std::span<Hypothesis> hypotheses) {
-  std::atomic<bool> changed{false};
+SettleOutcome settle_near_poses(const PoseContext& context, std::span<Hypothesis> hypotheses) {
+  std::atomic<bool> changed{false}, cut_short{false};
   const int count = static_cast<int>(hypotheses.size());
   context.pool.parallel_for(count, [&](int i, int) {
     Hypothesis& h = hypotheses[static_cast<std::size_t>(i)];
     const PartMoves& moves = context.moves[h.candidate.model];
-    if (!h.leads || (moves.near_turns().empty() && moves.near_steps().empty()) ||
-        context.deadline.passed())
-      return;
-    if (settle(context, h)) changed = true;
+    if (!h.leads || (moves.near_turns().empty() && moves.near_steps().empty())) return;
+    if (context.deadline.passed()) {
+      cut_short = true;
+    } else if (settle(context, h)) {
+      changed = true;
+    }
   });
-  return changed;
+  return {changed, cut_short};
 }
 
 }  // namespace binpick

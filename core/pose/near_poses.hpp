@@ -8,9 +8,14 @@
 
 namespace binpick {
 
+struct SettleOutcome {
+  bool changed = false;    // a pose: they have to be suppressed anew
+  bool cut_short = false;  // the deadline came before all were settled
+};
+
 // For the best hypothesis of each place: the near-symmetric variants are compared with it, the most
 // promising ones refined and verified, and the winner takes its place. `hypotheses` are sorted as
-// suppress() leaves them; afterwards they have to be suppressed anew. Returns whether any changed.
-bool settle_near_poses(const PoseContext& context, std::span<Hypothesis> hypotheses);
+// suppress() leaves them.
+SettleOutcome settle_near_poses(const PoseContext& context, std::span<Hypothesis> hypotheses);
 
 }  // namespace binpick

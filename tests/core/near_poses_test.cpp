@@ -88,14 +88,30 @@ TEST(NearPoses, TheRightOneTakesThePlaceOfTheOneFound) {
     found[2].T_cam_centre = found[0].T_cam_centre;
     found[0].leads = found[1].leads = true;
     for (Hypothesis& h : found) verify_pose(context, h);
-    EXPECT_TRUE(settle_near_poses(context, found));
+    EXPECT_TRUE(settle_near_poses(context, found).changed);
     EXPECT_TRUE(pose_error(found[0].T_cam_centre, scene.truth).within(1, 1));
     EXPECT_TRUE(pose_error(found[1].T_cam_centre, scene.truth).within(1, 1));
     EXPECT_GT(found[0].score, found[2].score);
     // What does not lead at its place is left alone.
     EXPECT_GT(pose_error(found[2].T_cam_centre, scene.truth).angle_deg, 170);
-    EXPECT_FALSE(settle_near_poses(context, std::span(found).first(2)));
+    EXPECT_FALSE(settle_near_poses(context, std::span(found).first(2)).changed);
   }
+}
+
+std::int64_t late_ns() {
+  return 2;
+}
+
+TEST(NearPoses, SayThatTheDeadlineCameFirst) {
+  OneBracket scene(three_brackets().front());
+  const Scene seen(scene.pyramid);
+  std::vector<Hypothesis> found(1);
+  found[0].T_cam_centre = scene.truth * part().turn();
+  found[0].leads = true;
+  const PoseContext late{part().models, scene.moves, seen, scene.pool, {&late_ns, 1}};
+  const SettleOutcome outcome = settle_near_poses(late, found);
+  EXPECT_TRUE(outcome.cut_short);
+  EXPECT_FALSE(outcome.changed);
 }
 
 TEST(NearPoses, ADetectorPlansTheirMemory) {
