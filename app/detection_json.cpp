@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 namespace binpick::app {
 namespace {
@@ -15,6 +16,19 @@ ordered_json matrix_rows(const Pose& T) {
   return rows;
 }
 
+// Of the part's centre, in camera axes.
+ordered_json to_json(const PoseUncertainty& u) {
+  constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
+  const auto axis = [](const Vec3& v) { return ordered_json{v.x(), v.y(), v.z()}; };
+  return {{"shift_mm", u.weak_shift_mm},
+          {"shift_axis", axis(u.weak_shift)},
+          {"shift_observable", u.shift_observable},
+          {"turn_deg", u.weak_turn_rad * kDegreesPerRadian},
+          {"turn_axis", axis(u.weak_turn)},
+          {"turn_observable", u.turn_observable},
+          {"covariance_rad_mm", u.covariance}};
+}
+
 ordered_json to_json(const Detection& d, std::span<const std::string> model_names) {
   return {{"model", model_names[static_cast<std::size_t>(d.model_index)]},
           {"model_index", d.model_index},
@@ -26,6 +40,7 @@ ordered_json to_json(const Detection& d, std::span<const std::string> model_name
           {"depth_support", d.depth_support},
           {"contour_support", d.contour_support},
           {"depth_residual_mm", d.depth_residual_mm},
+          {"uncertainty", to_json(d.uncertainty)},
           {"template_score", d.template_score},
           {"template_index", d.template_index}};
 }

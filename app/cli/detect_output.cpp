@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "detection_json.hpp"
 #include "overlay/overlay.hpp"
@@ -69,21 +70,32 @@ std::vector<std::string> DetectRun::model_names() const {
   return names;
 }
 
+// A standard deviation along the direction that is held least.
+std::string held(double deviation, bool observable) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.2f", deviation);
+  return observable ? text : "loose";
+}
+
 void print_report(const DetectRun& run, const DetectionReport& report) {
   std::printf("%s: %zu found\n", run.frame_name.c_str(), report.detections.size());
   if (!report.detections.empty()) {
-    std::printf("%4s %-16s %6s %27s %35s %6s %6s %6s %7s\n", "", "part", "score", "x, y, z (mm)",
-                "quaternion w, x, y, z", "seen", "depth", "edges", "res(mm)");
+    std::printf("%4s %-16s %6s %27s %35s %6s %6s %6s %7s %7s %7s\n", "", "part", "score",
+                "x, y, z (mm)", "quaternion w, x, y, z", "seen", "depth", "edges", "res(mm)",
+                "+-mm", "+-deg");
   }
   int number = 0;
   for (const Detection& d : report.detections) {
     const std::array<double, 4> q = quaternion_wxyz(d.T_cam_obj.R);
     const Vec3& t = d.T_cam_obj.t_mm;
+    const PoseUncertainty& u = d.uncertainty;
     std::printf(
-        "%4d %-16s %6.3f %8.2f %8.2f %9.2f %8.4f %8.4f %8.4f %8.4f %6.2f %6.2f %6.2f %7.2f\n",
+        "%4d %-16s %6.3f %8.2f %8.2f %9.2f %8.4f %8.4f %8.4f %8.4f %6.2f %6.2f %6.2f %7.2f %7s "
+        "%7s\n",
         number++, run.files[static_cast<std::size_t>(d.model_index)].name().c_str(), d.score, t.x(),
         t.y(), t.z(), q[0], q[1], q[2], q[3], d.visible_fraction, d.depth_support,
-        d.contour_support, d.depth_residual_mm);
+        d.contour_support, d.depth_residual_mm, held(u.weak_shift_mm, u.shift_observable).c_str(),
+        held(u.weak_turn_rad * 180 / std::numbers::pi, u.turn_observable).c_str());
   }
   print_times(report);
 }

@@ -7,6 +7,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/model_summary.hpp"
+#include "cli/symmetry_summary.hpp"
 #include "model_file.hpp"
 
 namespace binpick::app {
@@ -25,6 +26,24 @@ std::string hex(std::uint64_t value) {
 
 nlohmann::ordered_json to_json(const CountSummary& count) {
   return {{"min", count.min}, {"mean", count.mean}, {"max", count.max}};
+}
+
+nlohmann::ordered_json to_json(const ScoreCalibration& c) {
+  return {{"slope", c.slope}, {"offset", c.offset}};
+}
+
+nlohmann::ordered_json to_json(const ModelTrials& t) {
+  const SelfTestRecord& test = t.self_test;
+  return {{"calibration_piles", t.calibration_piles},
+          {"with_intensity", to_json(t.with_intensity)},
+          {"depth_alone", to_json(t.depth_alone)},
+          {"variance_scale", t.variance_scale},
+          {"self_test",
+           {{"piles", test.piles},
+            {"instances", test.instances},
+            {"recall", test.recall},
+            {"precision", test.precision},
+            {"visible_fraction_min", test.visible_fraction_min}}}};
 }
 
 nlohmann::ordered_json to_json(const ModelFile& file) {
@@ -59,6 +78,8 @@ nlohmann::ordered_json to_json(const ModelFile& file) {
                                  {"seed", i.seed},
                                  {"base_level", i.base_level},
                                  {"scan_depth", i.scan_depth},
+                                 {"symmetry", symmetry_json(file.model())},
+                                 {"trials", to_json(file.model().trials())},
                                  {"depths", nlohmann::ordered_json::array()}};
   for (const DepthSummary& depth : summarize_depths(file.model())) {
     json["depths"].push_back({{"viewpoints", depth.viewpoints},
@@ -82,6 +103,30 @@ void print_depths(const ObjectModel& model) {
                 number == model.info().scan_depth ? "  scanned" : "");
     ++number;
   }
+}
+
+void print(const ModelTrials& t) {
+  std::printf("%-20s ", "score");
+  if (t.calibration_piles == 0) {
+    std::printf("not calibrated\n");
+  } else {
+    std::printf(
+        "calibrated on %d simulated piles: slope %.2f, offset %+.2f (depth alone %.2f, %+.2f)\n",
+        t.calibration_piles, t.with_intensity.slope, t.with_intensity.offset, t.depth_alone.slope,
+        t.depth_alone.offset);
+  }
+  std::printf("%-20s ", "self-test");
+  const SelfTestRecord& test = t.self_test;
+  if (test.piles == 0) {
+    std::printf("none\n");
+    return;
+  }
+  std::printf("recall %.3f, precision %.3f of %d parts in %d simulated piles", test.recall,
+              test.precision, test.instances, test.piles);
+  if (test.visible_fraction_min < 1) {
+    std::printf("; half are found from %.0f %% visible", 100 * test.visible_fraction_min);
+  }
+  std::printf("\n");
 }
 
 void print(const ModelFile& file) {
@@ -113,6 +158,13 @@ void print(const ModelFile& file) {
   std::printf("%s codebook\n", codebook_name(i.normal_codebook));
   line("pyramid");
   std::printf("leaves at level %d, depth %d is scanned\n", i.base_level, i.scan_depth);
+  const char* what = "symmetry";
+  for (const std::string& text : symmetry_lines(file.model())) {
+    line(what);
+    std::printf("%s\n", text.c_str());
+    what = "";
+  }
+  print(file.model().trials());
   print_depths(file.model());
 }
 

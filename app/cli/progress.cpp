@@ -56,4 +56,18 @@ void Progress::print_line(double share) {
   std::fprintf(stderr, "%s %d %% (%.0f s)\n", label_.c_str(), percent, elapsed_s());
 }
 
+void StepProgress::update(const std::string& step, double share) {
+  if (!progress_ || step_ != step) {
+    finish();
+    progress_ = std::make_unique<Progress>(step);
+    step_ = step;
+  }
+  progress_->update(share);
+  if (share >= 1) finish();
+}
+
+void StepProgress::finish() {
+  progress_.reset();
+}
+
 }  // namespace binpick::app

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <memory>
 #include <string>
 
 namespace binpick::app {
@@ -26,6 +27,17 @@ class Progress {
   bool terminal_;
   bool bar_shown_ = false;
   int percent_shown_ = -1;
+};
+
+// One bar after the other, for jobs of several steps.
+class StepProgress {
+ public:
+  void update(const std::string& step, double share);
+  void finish();  // the bar, if there is one: before other output
+
+ private:
+  std::string step_;
+  std::unique_ptr<Progress> progress_;
 };
 
 }  // namespace binpick::app

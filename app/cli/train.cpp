@@ -9,7 +9,9 @@
 #include "cli/commands.hpp"
 #include "cli/number_between.hpp"
 #include "cli/progress.hpp"
-#include "cli/template_options.hpp"
+#include "cli/self_test_text.hpp"
+#include "cli/training_options.hpp"
+#include "clock.hpp"
 #include "replace_file.hpp"
 #include "setup_error.hpp"
 #include "thread_pool.hpp"
@@ -21,6 +23,7 @@ struct TrainArguments {
   std::string mesh, output, camera, distance_mm, unit;
   int threads = default_thread_count();
   train::TrainOptions options;
+  TrialPlan trials;
 };
 
 // A sensor of one megapixel that sees a bin from half a metre to a metre: what is trained for when
@@ -57,17 +60,18 @@ int train_part(TrainArguments arguments) {
   options.camera = camera_of(arguments);
 
   ThreadPool pool(arguments.threads);
-  double elapsed_s = 0;
-  std::vector<std::uint8_t> model;
-  {
-    Progress progress("training");
-    model = train::train_model(part, options, pool, [&](double share) { progress.update(share); });
-    elapsed_s = progress.elapsed_s();
-  }
-  replace_file(arguments.output, model);
+  const std::int64_t begin_ns = monotonic_ns();
+  StepProgress progress;
+  const TrainedPart trained =
+      train_part(part, options, arguments.trials, pool,
+                 [&](const std::string& step, double share) { progress.update(step, share); });
+  progress.finish();
+  replace_file(arguments.output, trained.model);
   std::printf("%s: %zu triangles, trained in %.1f s on %d threads, %.1f MB\n",
-              arguments.output.c_str(), part.mesh.triangles.size(), elapsed_s, arguments.threads,
-              static_cast<double>(model.size()) * 1e-6);
+              arguments.output.c_str(), part.mesh.triangles.size(),
+              static_cast<double>(monotonic_ns() - begin_ns) * 1e-9, arguments.threads,
+              static_cast<double>(trained.model.size()) * 1e-6);
+  if (trained.self_test) print_self_test(*trained.self_test, trained.advice);
   return 0;
 }
 
@@ -96,6 +100,7 @@ void add_train_command(CLI::App& app, int& exit_status) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   add_template_options(command, options);
+  add_trial_options(command, arguments->trials, true);
   command.callback([arguments, &exit_status] { exit_status = train_part(*arguments); });
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "binpick/detect/detector.hpp"
 #include "binpick/drivers/camera_spec.hpp"
 #include "binpick/frame/frame.hpp"
 #include "binpick/simd/isa.hpp"
@@ -118,7 +119,7 @@ struct RecipeConfig {
   int number = 0;                   // 1 .. 65535; how the PLC names it
   std::string name;                 // for people
   std::vector<std::string> models;  // files, relative to the recipe's folder; all are looked for
-  double min_score = 0.5;
+  double min_score = DetectRequest{}.min_score;
   int picks_max = 16;
   std::array<double, 4> roi_px{};  // x, y, width, height; zeros: the frame's own
   WrittenPose T_obj_pick;

@@ -1,51 +1,11 @@
 #include "eval/evaluation.hpp"
 
-#include <algorithm>
-#include <memory>
-
 #include "clock.hpp"
-#include "error_text.hpp"
 
 namespace binpick::app {
 namespace {
 
 using drivers::FrameId;
-using drivers::LoadedFrame;
-
-// A detector and the memory it lives in, made for one image size.
-class SizedDetector {
- public:
-  SizedDetector(const ModelSet& models, const DetectorLimits& limits, const DetectorParams& params,
-                WorkerPool& pool)
-      : arena_(Detector::footprint(models.models(), limits, params, pool.thread_count())),
-        detector_(models.models(), limits, params, pool, &monotonic_ns, arena_) {}
-
-  Detector& detector() { return detector_; }
-
- private:
-  Arena arena_;
-  Detector detector_;
-};
-
-// The largest ROI of the group's frames; the whole image as soon as one frame has none.
-DetectorLimits limits_of(const EvalPlan& plan, const CameraGroup& group, const LoadedFrame& frame,
-                         int max_results) {
-  DetectorLimits limits;
-  limits.image_width = frame.camera.width;
-  limits.image_height = frame.camera.height;
-  limits.results_max = max_results;
-  for (const std::size_t i : group.frames) {
-    const FrameId id = plan.frames[i].id;
-    const Roi& roi = plan.scenes.at(id.scene_id).frames.at(id.im_id).roi;
-    if (roi.whole_image()) {
-      limits.roi_width = limits.roi_height = 0;
-      return limits;
-    }
-    limits.roi_width = std::max(limits.roi_width, std::min(roi.width, limits.image_width));
-    limits.roi_height = std::max(limits.roi_height, std::min(roi.height, limits.image_height));
-  }
-  return limits;
-}
 
 void keep_report(const DetectionReport& report, const WantedFrame& wanted, const ModelSet& models,
                  double time_s, const EvalOutput& output, EvalRun& run) {
@@ -75,52 +35,18 @@ std::map<FrameId, double> EvalRun::times_s() const {
 void run_group(const drivers::BopDataset& dataset, const EvalPlan& plan, const CameraGroup& group,
                const ModelSet& models, const EvalSettings& settings, WorkerPool& pool,
                const EvalTalk& talk, const EvalOutput& output, EvalRun& run) {
-  std::map<std::pair<int, int>, std::unique_ptr<SizedDetector>> detectors;
-  const auto fault = [&](const FrameId& id, const std::string& what) {
-    run.faults.push_back("frame " + drivers::frame_name(id) + ": " + what);
-    if (talk.note) talk.note(run.faults.back());
-  };
-  for (std::size_t k = 0; k < group.frames.size(); ++k) {
-    const WantedFrame& wanted = plan.frames[group.frames[k]];
-    if (talk.progress) {
-      talk.progress("searching", static_cast<double>(k) / static_cast<double>(group.frames.size()));
-    }
-    LoadedFrame frame;
-    try {
-      frame = dataset.load_frame(plan.scenes.at(wanted.id.scene_id), wanted.id.im_id);
-    } catch (const drivers::DatasetError& e) {
-      fault(wanted.id, e.what());
-      continue;
-    }
-    std::vector<int> indices;
-    for (const int obj_id : wanted.objects) {
-      if (const int index = models.index_of(obj_id); index >= 0) indices.push_back(index);
-    }
-    if (indices.empty()) {
-      fault(wanted.id, "there is no model of anything in it");
-      continue;
-    }
-    std::unique_ptr<SizedDetector>& sized = detectors[{frame.camera.width, frame.camera.height}];
-    if (!sized) {
-      const DetectorLimits limits = limits_of(plan, group, frame, settings.max_results);
-      sized = std::make_unique<SizedDetector>(models, limits, settings.params, pool);
-    }
-    DetectRequest request;
-    request.model_indices = indices;
-    request.max_results = settings.max_results;
-    request.min_score = settings.min_score;
-
-    const Frame view = frame.view();
+  const auto search = [&](const FrameVisit& visit) -> Result<int> {
+    if (settings.disturb) settings.disturb(visit.wanted.id, visit.frame);
+    const Frame view = visit.frame.view();
     const std::int64_t begin_ns = monotonic_ns();
-    const Result<DetectionReport> report = sized->detector().detect(view, request);
+    const Result<DetectionReport> report = visit.detector.detect(view, visit.request);
     const double time_s = static_cast<double>(monotonic_ns() - begin_ns) * 1e-9;
-    if (report.ok()) {
-      keep_report(report.value(), wanted, models, time_s, output, run);
-    } else {
-      fault(wanted.id, error_text(report.error()));
-    }
-  }
-  if (talk.progress && !group.frames.empty()) talk.progress("searching", 1.0);
+    if (!report.ok()) return report.error();
+    keep_report(report.value(), visit.wanted, models, time_s, output, run);
+    return 0;
+  };
+  visit_frames(dataset, plan, group, models, settings.search, pool, talk, "searching", run.faults,
+               search);
 }
 
 }  // namespace binpick::app

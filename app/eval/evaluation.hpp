@@ -1,15 +1,14 @@
 // Runs the detector over the frames of a plan and keeps what each run reported.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
-#include "binpick/detect/detector.hpp"
 #include "eval/bop_results.hpp"
-#include "eval/eval_plan.hpp"
 #include "eval/evidence_csv.hpp"
-#include "eval/model_set.hpp"
+#include "eval/frame_search.hpp"
 
 namespace binpick::app {
 
@@ -30,9 +29,9 @@ struct EvalRun {
 };
 
 struct EvalSettings {
-  DetectorParams params;
-  int max_results = 64;
-  double min_score = 0.01;  // low on purpose: the score's threshold is chosen afterwards
+  SearchSettings search;
+  // Changes a frame before it is searched, as a worse sensor would; may be empty.
+  std::function<void(const drivers::FrameId&, drivers::LoadedFrame&)> disturb;
 };
 
 // Files that detections go to as they are found; either may be null.

@@ -15,7 +15,8 @@ namespace binpick::app {
 namespace {
 
 // Text rather than bytes of the struct: padding and the order of members do not matter.
-std::string description(std::uint64_t mesh_hash, const train::TrainOptions& o) {
+std::string description(std::uint64_t mesh_hash, const train::TrainOptions& o,
+                        const TrialPlan& trials) {
   std::string text =
       "revision " + std::to_string(kTrainerRevision) + " mesh " + std::to_string(mesh_hash);
   const auto add = [&text](const char* name, double value) {
@@ -36,14 +37,16 @@ std::string description(std::uint64_t mesh_hash, const train::TrainOptions& o) {
   add("tree_depths", o.tree_depths);
   add("normal_codebook", static_cast<double>(o.normal_codebook));
   add("contour_features", o.contour_features), add("surface_features", o.surface_features);
+  add("calibration_piles", trials.calibration_piles), add("test_piles", trials.test_piles);
   return text + " seed " + std::to_string(o.seed);
 }
 
 }  // namespace
 
-std::uint64_t training_key(std::uint64_t mesh_hash, const train::TrainOptions& options) {
+std::uint64_t training_key(std::uint64_t mesh_hash, const train::TrainOptions& options,
+                           const TrialPlan& trials) {
   std::uint64_t hash = 0xcbf29ce484222325;
-  for (const char c : description(mesh_hash, options)) {
+  for (const char c : description(mesh_hash, options, trials)) {
     hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
   }
   return hash;

@@ -7,16 +7,17 @@
 #include <string>
 #include <vector>
 
-#include "binpick/train/trainer.hpp"
+#include "training/part_training.hpp"
 
 namespace binpick::app {
 
 // Counts changes of the trainer that give other models from the same options: raising it makes
 // every cached model out of date.
-inline constexpr int kTrainerRevision = 1;
+inline constexpr int kTrainerRevision = 4;
 
 // FNV-1a 64 over the mesh's hash, the trainer's revision and all options.
-std::uint64_t training_key(std::uint64_t mesh_hash, const train::TrainOptions& options);
+std::uint64_t training_key(std::uint64_t mesh_hash, const train::TrainOptions& options,
+                           const TrialPlan& trials);
 
 class ModelCache {
  public:

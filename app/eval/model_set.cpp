@@ -54,11 +54,12 @@ GroupMeasurements measure(const ModelSetRequest& request,
   return found;
 }
 
-// The bytes and the parsed model; trains when the cache has none that can be read.
+// The bytes of a model; trains when the cache has none that can be read.
 std::vector<std::uint8_t> train_or_find(const Part& part, const train::TrainOptions& options,
-                                        const ModelCache& cache, WorkerPool& pool,
+                                        const ModelSetRequest& request, WorkerPool& pool,
                                         const EvalTalk& talk, ModelOrigin& origin) {
-  const std::uint64_t key = training_key(part.imported.source_hash, options);
+  const ModelCache& cache = request.cache;
+  const std::uint64_t key = training_key(part.imported.source_hash, options, request.trials);
   if (auto bytes = cache.find(origin.obj_id, key)) {
     const auto model = ObjectModel::parse(*bytes);
     origin.from_cache = model.ok();
@@ -68,15 +69,15 @@ std::vector<std::uint8_t> train_or_find(const Part& part, const train::TrainOpti
                 "; training anew");
     }
   }
-  const std::string what = "training object " + std::to_string(origin.obj_id);
+  const std::string of_object = " of object " + std::to_string(origin.obj_id);
   const auto begin = std::chrono::steady_clock::now();
-  std::vector<std::uint8_t> bytes =
-      train::train_model(part.imported, options, pool, [&](double share) {
-        if (talk.progress) talk.progress(what, share);
-      });
+  TrainedPart trained = train_part(part.imported, options, request.trials, pool,
+                                   [&](const std::string& step, double share) {
+                                     if (talk.progress) talk.progress(step + of_object, share);
+                                   });
   origin.train_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  cache.keep(origin.obj_id, key, bytes);
-  return bytes;
+  cache.keep(origin.obj_id, key, trained.model);
+  return std::move(trained.model);
 }
 
 }  // namespace
@@ -121,8 +122,7 @@ ModelSet make_model_set(const ModelSetRequest& request, WorkerPool& pool, const 
     options.distance_min_mm = range->min_mm;
     options.distance_max_mm = range->max_mm;
     ModelOrigin origin{obj_id, *range, false, 0, 0};
-    std::vector<std::uint8_t> bytes =
-        train_or_find(part, options, request.cache, pool, talk, origin);
+    std::vector<std::uint8_t> bytes = train_or_find(part, options, request, pool, talk, origin);
     origin.bytes = bytes.size();
     auto model = ObjectModel::parse(bytes);
     if (!model.ok()) {

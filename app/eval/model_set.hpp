@@ -13,6 +13,7 @@
 #include "eval/eval_plan.hpp"
 #include "eval/model_cache.hpp"
 #include "eval/part_library.hpp"
+#include "training/part_training.hpp"
 
 namespace binpick::app {
 
@@ -55,6 +56,7 @@ struct ModelSetRequest {
   const PartLibrary& parts;
   const ModelCache& cache;
   train::TrainOptions options;  // camera and distances are filled in
+  TrialPlan trials;
 };
 
 // For every object wanted in the group's frames. The distance range comes from the depth images of

@@ -28,6 +28,8 @@ class PartGeometry {
 
   double diameter_mm() const { return diameter_mm_; }
   bool symmetric() const { return discrete_.size() > 1 || !continuous_.empty(); }
+  // Object to object, the identity among them; continuous ones every two degrees.
+  const std::vector<Pose>& symmetries() const { return all_symmetries_; }
 
   // Against the best of the part's symmetric poses.
   PoseError6 six_errors(const Pose& estimate, const Pose& truth, const PoseLimits& limits) const;

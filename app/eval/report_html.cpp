@@ -167,17 +167,28 @@ std::string level_section(const std::vector<RunLine>& lines) {
   return out + "</table></div>\n";
 }
 
-std::string picture_section(const std::vector<ReportPicture>& pictures) {
-  if (pictures.empty()) return "";
-  std::string out =
-      "<h2>Worst frames</h2>\n<div class='legend'><span><i class='right'></i>right</span>"
-      "<span><i class='wrong'></i>false pick</span><span><i class='miss'></i>missed</span>"
-      "<span><i class='neutral'></i>neither for nor against</span></div>\n<div class='pictures'>\n";
+std::string figures(const std::vector<ReportPicture>& pictures, const std::string& css_class) {
+  std::string out = "<div class='" + css_class + "'>\n";
   for (const ReportPicture& p : pictures) {
     out += "<figure><img alt='" + escape_html(p.caption) + "' src='data:image/png;base64," +
            base64(p.png) + "'><figcaption>" + escape_html(p.caption) + "</figcaption></figure>\n";
   }
   return out + "</div>\n";
+}
+
+std::string picture_section(const std::vector<ReportPicture>& pictures) {
+  if (pictures.empty()) return "";
+  return "<h2>Worst frames</h2>\n<div class='legend'><span><i class='right'></i>right</span>"
+         "<span><i class='wrong'></i>false pick</span><span><i class='miss'></i>missed</span>"
+         "<span><i class='neutral'></i>neither for nor against</span></div>\n" +
+         figures(pictures, "pictures");
+}
+
+std::string crop_section(const std::vector<ReportPicture>& pictures) {
+  if (pictures.empty()) return "";
+  return "<h2>Seen near</h2>\n<div class='legend'><span><i class='miss'></i>true pose</span>"
+         "<span><i class='wrong'></i>what was reported there</span></div>\n" +
+         figures(pictures, "crops");
 }
 
 std::string fault_section(const std::vector<std::string>& faults) {
@@ -215,8 +226,9 @@ std::string report_html(const ReportContent& c) {
          escape_html(c.title) + "</title><style>" + kReportStyle +
          "</style></head>\n<body><main>\n<h1>" + escape_html(c.title) +
          "</h1>\n<p class='lead'>Evaluation of binpick on captured frames with known poses.</p>\n" +
-         tiles(c) + fault_section(c.faults) + score_section(c.score) + curve_section(c.score) +
-         stage_section(c.lines) + level_section(c.lines) + picture_section(c.pictures) +
+         tiles(c) + fault_section(c.faults) + score_section(c.score) + c.reach +
+         curve_section(c.score) + c.curves + stage_section(c.lines) + level_section(c.lines) +
+         c.causes + crop_section(c.fault_pictures) + picture_section(c.pictures) +
          model_section(c.models) + fact_section(c.facts) + "</main></body></html>\n";
 }
 

@@ -26,7 +26,9 @@ struct ReportContent {
   std::vector<RunLine> lines;
   std::vector<ModelOrigin> models;
   std::vector<std::string> faults;
-  std::vector<ReportPicture> pictures;
+  std::vector<ReportPicture> pictures, fault_pictures;
+  std::string reach, causes;  // sections of the account of faults; may be empty
+  std::string curves;         // section of the sweep; may be empty
 };
 
 std::string report_html(const ReportContent& content);

@@ -47,6 +47,10 @@ td.bar-cell { width: 55%; }
 .stage-4 { fill: #54a24b; background: #54a24b; } .stage-5 { fill: #e45756; background: #e45756; }
 .stage-6 { fill: #b279a2; background: #b279a2; } .stage-7 { fill: #9d755d; background: #9d755d; }
 .stage-8 { fill: #8a939c; background: #8a939c; }
+.line { fill: none; stroke-width: 1.8; stroke-linejoin: round; }
+.line-0 { stroke: #4c78a8; } .line-1 { stroke: #f58518; } .line-2 { stroke: #e0b83c; }
+.line-3 { stroke: #72b7b2; } .line-4 { stroke: #54a24b; } .line-5 { stroke: #e45756; }
+.line-6 { stroke: #b279a2; } .line-7 { stroke: #9d755d; } .line-8 { stroke: #8a939c; }
 .legend { display: flex; flex-wrap: wrap; gap: 6px 18px; margin: 0 0 12px; color: var(--soft);
   font-size: 13px; }
 .legend i { display: inline-block; width: 12px; height: 12px; border-radius: 3px; margin-right: 6px;
@@ -58,6 +62,10 @@ figure { margin: 0 0 20px; } figure img { max-width: 100%; max-height: 520px; di
 figcaption { color: var(--soft); font-size: 13.5px; margin-top: 6px; }
 .pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(520px, 1fr));
   gap: 4px 16px; }
+.crops { display: grid; grid-template-columns: repeat(auto-fill, minmax(380px, 1fr));
+  gap: 4px 16px; }
+.crops img { width: 100%; }
+.causes td { text-align: left; } .causes td:last-child { white-space: normal; }
 .faults { border-left: 4px solid var(--wrong); }
 .faults ul { margin: 0; padding-left: 20px; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 4px 20px; margin: 0; }

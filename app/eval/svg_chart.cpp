@@ -1,5 +1,8 @@
 #include "eval/svg_chart.hpp"
 
+#include <cstdio>
+#include <set>
+
 #include "eval/html_text.hpp"
 
 namespace binpick::app {
@@ -7,12 +10,29 @@ namespace {
 
 // The plot's square in the drawing's units; ticks and titles stand outside.
 constexpr double kLeft = 44, kTop = 12, kSide = 220;
+constexpr std::size_t kTicksMax = 10, kMarksMax = 20;
 
 double x_of(double recall) {
   return kLeft + kSide * recall;
 }
 double y_of(double precision) {
   return kTop + kSide * (1 - precision);
+}
+
+// With its tick.
+std::string horizontal_line(double y) {
+  return "<line class='grid' x1='" + fixed_digits(x_of(0), 1) + "' y1='" +
+         fixed_digits(y_of(y), 1) + "' x2='" + fixed_digits(x_of(1), 1) + "' y2='" +
+         fixed_digits(y_of(y), 1) + "'/><text class='tick' text-anchor='end' x='" +
+         fixed_digits(x_of(0) - 6, 1) + "' y='" + fixed_digits(y_of(y) + 4, 1) + "'>" +
+         fixed_digits(y, 1) + "</text>";
+}
+
+std::string axis_titles(const std::string& x_axis, const std::string& y_axis) {
+  return "<text class='axis' text-anchor='middle' x='" + fixed_digits(x_of(0.5), 1) + "' y='" +
+         fixed_digits(y_of(0) + 32, 1) + "'>" + escape_html(x_axis) +
+         "</text><text class='axis' text-anchor='middle' transform='translate(11 " +
+         fixed_digits(y_of(0.5), 1) + ") rotate(-90)'>" + escape_html(y_axis) + "</text>";
 }
 
 std::string grid() {
@@ -23,18 +43,11 @@ std::string grid() {
     svg += "<line class='grid' x1='" + fixed_digits(x_of(v), 1) + "' y1='" +
            fixed_digits(y_of(0), 1) + "' x2='" + fixed_digits(x_of(v), 1) + "' y2='" +
            fixed_digits(y_of(1), 1) + "'/>";
-    svg += "<line class='grid' x1='" + fixed_digits(x_of(0), 1) + "' y1='" +
-           fixed_digits(y_of(v), 1) + "' x2='" + fixed_digits(x_of(1), 1) + "' y2='" +
-           fixed_digits(y_of(v), 1) + "'/>";
+    svg += horizontal_line(v);
     svg += "<text class='tick' text-anchor='middle' x='" + fixed_digits(x_of(v), 1) + "' y='" +
            fixed_digits(y_of(0) + 15, 1) + "'>" + tick + "</text>";
-    svg += "<text class='tick' text-anchor='end' x='" + fixed_digits(x_of(0) - 6, 1) + "' y='" +
-           fixed_digits(y_of(v) + 4, 1) + "'>" + tick + "</text>";
   }
-  svg += "<text class='axis' text-anchor='middle' x='" + fixed_digits(x_of(0.5), 1) + "' y='" +
-         fixed_digits(y_of(0) + 32, 1) + "'>recall</text>";
-  svg += "<text class='axis' text-anchor='middle' transform='translate(11 " +
-         fixed_digits(y_of(0.5), 1) + ") rotate(-90)'>precision</text>";
+  svg += axis_titles("recall", "precision");
   return svg;
 }
 
@@ -55,6 +68,46 @@ std::string precision_recall_svg(const PartScore& part) {
     const double x = x_of(part.best.recall), y = y_of(part.best.precision);
     svg += "<circle class='best' r='4.5' cx='" + fixed_digits(x, 1) + "' cy='" +
            fixed_digits(y, 1) + "'/>";
+  }
+  return svg + "</svg>";
+}
+
+std::string line_chart_svg(const std::vector<Curve>& curves, const std::string& x_axis,
+                           const std::string& y_axis) {
+  std::set<double> values;
+  for (const Curve& c : curves) values.insert(c.x.begin(), c.x.end());
+  const double first = values.empty() ? 0 : *values.begin(),
+               last = values.empty() ? 1 : *values.rbegin();
+  const auto at = [&](double x) { return x_of(last > first ? (x - first) / (last - first) : 0.5); };
+  std::vector<double> ticks(values.begin(), values.end());
+  if (ticks.size() > kTicksMax) {
+    ticks.clear();
+    for (int i = 0; i <= 4; ++i) ticks.push_back(first + (last - first) * i / 4);
+  }
+  std::string svg = "<svg class='chart' viewBox='0 0 280 272' role='img' aria-label='" +
+                    escape_html(y_axis + " over " + x_axis) + "'>";
+  for (int i = 0; i <= 5; ++i) svg += horizontal_line(0.2 * i);
+  for (const double x : ticks) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2g", x);
+    svg += "<text class='tick' text-anchor='middle' x='" + fixed_digits(at(x), 1) + "' y='" +
+           fixed_digits(y_of(0) + 15, 1) + "'>" + text + "</text>";
+  }
+  svg += axis_titles(x_axis, y_axis);
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    const std::string style = std::to_string(i % kLineStyles);
+    svg += "<polyline class='line line-" + style + "' points='";
+    for (std::size_t k = 0; k < curves[i].x.size(); ++k)
+      svg +=
+          fixed_digits(at(curves[i].x[k]), 1) + "," + fixed_digits(y_of(curves[i].y[k]), 1) + " ";
+    svg += "'/>";
+    if (curves[i].x.size() > kMarksMax) continue;
+    for (std::size_t k = 0; k < curves[i].x.size(); ++k) {
+      svg += "<circle class='stage-" + style + "' r='2.5' cx='" +
+             fixed_digits(at(curves[i].x[k]), 1) + "' cy='" +
+             fixed_digits(y_of(curves[i].y[k]), 1) + "'><title>" + escape_html(curves[i].name) +
+             ": " + fixed_digits(curves[i].y[k], 3) + "</title></circle>";
+    }
   }
   return svg + "</svg>";
 }

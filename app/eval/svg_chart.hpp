@@ -11,6 +11,18 @@ namespace binpick::app {
 // Precision over recall, both 0 to 1; the threshold of the best F1 is marked.
 std::string precision_recall_svg(const PartScore& part);
 
+// One line of a chart: y over x, x ascending.
+struct Curve {
+  std::string name;
+  std::vector<double> x, y;
+};
+
+// Lines over a common x axis, y from 0 to 1. Line i has the class "line-i", from nine on they
+// repeat, and its name and values as tooltips.
+std::string line_chart_svg(const std::vector<Curve>& curves, const std::string& x_axis,
+                           const std::string& y_axis);
+inline constexpr int kLineStyles = 9;
+
 struct BarSegment {
   std::string name;
   double value = 0;

@@ -1,40 +1,11 @@
 #include "eval/table.hpp"
 
-#include <algorithm>
 #include <cstdio>
+
+#include "eval/text_table.hpp"
 
 namespace binpick::app {
 namespace {
-
-// Rows of text cells; the first column is aligned left, the others right.
-class TextTable {
- public:
-  void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
-
-  // The first row is the heading.
-  std::string text() const {
-    std::vector<std::size_t> widths;
-    for (const auto& cells : rows_) {
-      widths.resize(std::max(widths.size(), cells.size()));
-      for (std::size_t i = 0; i < cells.size(); ++i)
-        widths[i] = std::max(widths[i], cells[i].size());
-    }
-    std::string out;
-    for (std::size_t r = 0; r < rows_.size(); ++r) {
-      std::string line;
-      for (std::size_t i = 0; i < rows_[r].size(); ++i) {
-        const std::string padding(widths[i] - rows_[r][i].size(), ' ');
-        line += (i > 0 ? "  " : "") + (i == 0 ? rows_[r][i] + padding : padding + rows_[r][i]);
-      }
-      out += line + "\n";
-      if (r == 0) out += std::string(line.size(), '-') + "\n";
-    }
-    return out;
-  }
-
- private:
-  std::vector<std::vector<std::string>> rows_;
-};
 
 std::string number(double value, int digits) {
   char text[48];

@@ -5,20 +5,18 @@
 
 #include "base/stopwatch.hpp"
 #include "binpick/base/arena_plan.hpp"
+#include "detect/acceptance.hpp"
 #include "detect/detector_plan.hpp"
+#include "detect/stage_observer.hpp"
 #include "pose/explain.hpp"
 #include "pose/hypothesis.hpp"
-#include "pose/ray_pose.hpp"
+#include "pose/near_poses.hpp"
 #include "pose/screen.hpp"
 #include "search/tree_search.hpp"
 
 namespace binpick {
 namespace {
 
-// Measured pixels that a better detection explains already: beyond this share it is the same part
-// again.
-constexpr double kOwnedShareMax = 0.35;
-constexpr double kVisibleFractionMin = 0.2;
 constexpr int kPerPlaceAfterIcp = 6;
 // Of the time up to a deadline; the rest is for the poses.
 constexpr double kSearchShare = 0.6;
@@ -47,17 +45,20 @@ struct Detector::Impl {
         ownership(plan.pyramid.width_max >> kFeatureLevel, plan.pyramid.height_max >> kFeatureLevel,
                   arena),
         scale_plans(arena.take<ScalePlan>(models.size())),
+        moves(arena.take<PartMoves>(models.size())),
         screening(arena.take<Hypothesis>(plan.screening_max())),
         hypotheses(arena.take<Hypothesis>(kHypothesesMax)),
-        detections(arena.take<Detection>(static_cast<std::size_t>(plan.results_max))) {}
+        detections(arena.take<Detection>(static_cast<std::size_t>(plan.results_max))) {
+    for (std::size_t i = 0; i < models.size(); ++i) moves[i] = PartMoves(models[i], arena);
+  }
 
   Result<DetectionReport> detect(const Frame& frame, const DetectRequest& request);
   int search_model(int model_index, std::size_t room, int found, const Deadline& deadline,
-                   DetectionReport& report);
-  int estimate_poses(int count, const Deadline& deadline, DetectionReport& report);
+                   const DetectRequest& request, DetectionReport& report);
+  int estimate_poses(int count, const Deadline& deadline, const DetectRequest& request,
+                     DetectionReport& report);
   void explain(const Frame& frame, const DetectRequest& request, int count,
                DetectionReport& report);
-  Detection detection_of(const Hypothesis& h) const;
 
   template <class Work>
   auto timed(Stage stage, DetectionReport& report, Work&& work) {
@@ -79,6 +80,7 @@ struct Detector::Impl {
   TreeSearch search;
   SceneOwnership ownership;
   std::span<ScalePlan> scale_plans;
+  std::span<PartMoves> moves;       // of the models' symmetries
   std::span<Hypothesis> screening;  // all leaf candidates of one model
   std::span<Hypothesis> hypotheses;
   std::span<Detection> detections;
@@ -90,9 +92,11 @@ std::size_t Detector::footprint(std::span<const ObjectModel> models, const Detec
   ArenaPlan counted;
   counted.take<Impl>(1);
   counted.take<ScalePlan>(models.size());
+  counted.take<PartMoves>(models.size());
   counted.take<Hypothesis>(plan.screening_max());
   counted.take<Hypothesis>(kHypothesesMax);
   counted.take<Detection>(static_cast<std::size_t>(plan.results_max));
+  for (const ObjectModel& model : models) PartMoves::plan(model, counted);
   return counted.bytes + FeaturePyramid::footprint(plan.pyramid) +
          TreeSearch::footprint(plan.search, plan.search_params) +
          SceneOwnership::footprint(plan.pyramid.width_max >> kFeatureLevel,
@@ -140,51 +144,79 @@ Result<DetectionReport> Detector::Impl::detect(const Frame& frame, const DetectR
     scale_plans[static_cast<std::size_t>(m)] = scale.value();
     found = search_model(
         m, std::min(kHypothesesPerModel, kHypothesesMax / static_cast<std::size_t>(wanted)), found,
-        search_end, report);
+        search_end, request, report);
     report.cut_short |= search_end.passed();
   }
-  found = estimate_poses(found, deadline, report);
+  found = estimate_poses(found, deadline, request, report);
   report.cut_short |= report.dropped[static_cast<int>(DropReason::kDeadline)] > 0;
   timed(Stage::kExplain, report, [&] { explain(frame, request, found, report); });
   report.total_ms = watch.elapsed_ms();
+  if (request.observer) {
+    request.observer->finished({frame, request, report, models, moves, scale_plans, pyramid,
+                                kernels, hypotheses.first(static_cast<std::size_t>(found))});
+  }
   return report;
 }
 
 // Appends the hypotheses of one model, at most `room`, to the `found` ones before.
 int Detector::Impl::search_model(int model_index, std::size_t room, int found,
-                                 const Deadline& deadline, DetectionReport& report) {
-  const SearchContext context{models,        scale_plans, pyramid, kernels,
-                              params.layout, pool,        clock,   deadline};
+                                 const Deadline& deadline, const DetectRequest& request,
+                                 DetectionReport& report) {
+  const SearchContext context{models, scale_plans, pyramid,  kernels,         params.layout,
+                              pool,   clock,       deadline, request.observer};
   report.level_count =
       std::max(report.level_count, models[static_cast<std::size_t>(model_index)].depth_count());
   const Scene scene(pyramid);
   const std::span<const Candidate> leaves = search.run(context, model_index, report);
-  return timed(Stage::kScreen, report, [&] {
-    return found + screen_candidates({models, scene, pool, deadline}, leaves, pyramid, screening,
-                                     hypotheses.subspan(static_cast<std::size_t>(found), room),
-                                     report);
+  const std::span<Hypothesis> out = hypotheses.subspan(static_cast<std::size_t>(found), room);
+  const int count = timed(Stage::kScreen, report, [&] {
+    return screen_candidates({models, moves, scene, pool, deadline}, leaves, pyramid, screening,
+                             out, report);
   });
+  if (request.observer) {
+    request.observer->hypotheses(Checkpoint::kScreened, screening.first(leaves.size()));
+    request.observer->hypotheses(Checkpoint::kScreenSelected,
+                                 out.first(static_cast<std::size_t>(count)));
+  }
+  return found + count;
 }
 
-int Detector::Impl::estimate_poses(int count, const Deadline& deadline, DetectionReport& report) {
+int Detector::Impl::estimate_poses(int count, const Deadline& deadline,
+                                   const DetectRequest& request, DetectionReport& report) {
   const Scene scene(pyramid);
   // Each stage may use the time up to its share of what is left now: were one to use up all, no
   // pose would be finished. The shares are those of an unhurried run.
   auto until = [&](double share) {
-    return PoseContext{models, scene, pool, deadline.after_share(share)};
+    return PoseContext{models, moves, scene, pool, deadline.after_share(share)};
   };
   const PoseContext pnp_end = until(0.15), icp_end = until(0.45), check_end = until(0.55),
                     refine_end = until(0.88), end = until(1);
   auto living = [&] { return hypotheses.first(static_cast<std::size_t>(count)); };
+  auto observe = [&](Checkpoint checkpoint) {
+    if (request.observer) request.observer->hypotheses(checkpoint, living());
+  };
   timed(Stage::kPnp, report, [&] { run_pnp(pnp_end, living()); });
+  observe(Checkpoint::kPnp);
   timed(Stage::kIcp, report, [&] { run_icp(icp_end, living()); });
+  observe(Checkpoint::kIcp);
   timed(Stage::kVerify, report, [&] { run_verify(check_end, living()); });
   count = timed(Stage::kSuppress, report,
-                [&] { return suppress(models, living(), kPerPlaceAfterIcp, report); });
+                [&] { return suppress(end, living(), kPerPlaceAfterIcp, report); });
+  observe(Checkpoint::kIcpSelected);
   timed(Stage::kRefine, report, [&] { run_refine(refine_end, living()); });
+  observe(Checkpoint::kRefined);
   timed(Stage::kVerify, report, [&] { run_verify(end, living()); });
-  return timed(Stage::kSuppress, report,
-               [&] { return suppress(models, living(), kPerPlaceAfterIcp, report); });
+  count = timed(Stage::kSuppress, report,
+                [&] { return suppress(end, living(), kPerPlaceAfterIcp, report); });
+  const SettleOutcome settled =
+      timed(Stage::kVerify, report, [&] { return settle_near_poses(end, living()); });
+  report.cut_short |= settled.cut_short;
+  if (settled.changed) {
+    count = timed(Stage::kSuppress, report,
+                  [&] { return suppress(end, living(), kPerPlaceAfterIcp, report); });
+  }
+  observe(Checkpoint::kRefinedSelected);
+  return count;
 }
 
 void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, int count,
@@ -194,50 +226,29 @@ void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, i
   const std::size_t limit = std::min<std::size_t>(
       static_cast<std::size_t>(std::max(0, request.max_results)), detections.size());
   std::size_t accepted = 0;
-  auto drop = [&](DropReason reason) { ++report.dropped[static_cast<std::size_t>(reason)]; };
+  auto drop = [&](Hypothesis& h, DropReason reason) {
+    h.drop(reason);
+    count_drop(report, reason);
+  };
   // In the order of what they explain.
-  for (const Hypothesis& h : hypotheses.first(static_cast<std::size_t>(count))) {
+  for (Hypothesis& h : hypotheses.first(static_cast<std::size_t>(count))) {
     const ObjectModel& model = models[h.candidate.model];
-    const Evidence& e = h.evidence;
-    if (!centre_inside_roi(frame, pyramid.region(), h.T_cam_centre, scene)) continue;
-    if (e.visible_fraction() < kVisibleFractionMin) {
-      drop(DropReason::kTooHidden);
-    } else if (e.contradicted > e.measured) {
-      drop(DropReason::kContradicted);
-    } else if (h.score < request.min_score) {
-      drop(DropReason::kBelowMinScore);
+    if (!centre_inside_roi(frame, pyramid.region(), h.T_cam_centre, scene)) {
+      h.alive = false;
+    } else if (const auto objection = objection_to(h, request.min_score)) {
+      drop(h, *objection);
     } else if (ownership.owned_share(model, scene, h.T_cam_centre) > kOwnedShareMax) {
-      drop(DropReason::kOverlapsBetter);
+      drop(h, DropReason::kOverlapsBetter);
     } else if (accepted == limit) {
-      drop(DropReason::kResultLimit);
+      drop(h, DropReason::kResultLimit);
     } else {
       ownership.claim(model, scene, h.T_cam_centre);
-      detections[accepted++] = detection_of(h);
+      detections[accepted++] = detection_of(models, scene, h);
     }
   }
   std::sort(detections.begin(), detections.begin() + static_cast<std::ptrdiff_t>(accepted),
             better_detection);
   report.detections = detections.first(accepted);
-}
-
-Detection Detector::Impl::detection_of(const Hypothesis& h) const {
-  const ObjectModel& model = models[h.candidate.model];
-  Detection d;
-  d.model_index = h.candidate.model;
-  d.T_cam_obj = h.T_cam_centre;
-  d.T_cam_obj.t_mm -= h.T_cam_centre.R * centre_offset(model);
-  d.score_terms = terms_of(h);
-  d.score = h.score;
-  d.visible_fraction = h.evidence.visible_fraction();
-  d.depth_support = h.evidence.depth_support();
-  d.contour_support = h.evidence.contour_support();
-  d.depth_residual_mm = h.evidence.residual_mm;
-  d.template_score = static_cast<double>(h.candidate.score) / kScoreOne;
-  const TreeDepth& leaves = model.depth(model.depth_count() - 1);
-  d.template_index =
-      (h.candidate.viewpoint * leaves.roll_count + h.candidate.roll) * leaves.distance_count +
-      h.candidate.distance;
-  return d;
 }
 
 }  // namespace binpick

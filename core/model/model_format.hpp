@@ -1,8 +1,9 @@
-// Layout of a model file, version 2. Little-endian; every table starts at a multiple of 64 bytes
+// Layout of a model file, version 3. Little-endian; every table starts at a multiple of 64 bytes
 // from the start of the file. Written by core/train/model_writer, read in place by ObjectModel.
 //
 //   ModelHeader | Viewpoint tables (one per depth) | TemplateRange tables (one per depth)
 //   | Feature table | SurfaceSample table | ContourSample table
+//   | SymmetryTurn table | SymmetryAxis table (exact rows first in both)
 #pragma once
 
 #include <bit>
@@ -18,7 +19,7 @@ namespace binpick {
 static_assert(std::endian::native == std::endian::little, "model files are read in place");
 
 inline constexpr char kModelMagic[8] = {'B', 'I', 'N', 'P', 'I', 'C', 'K', 'M'};
-inline constexpr std::uint32_t kModelVersion = 2;
+inline constexpr std::uint32_t kModelVersion = 3;
 inline constexpr std::size_t kModelAlignment = 64;
 // A model beyond this was not made by this program.
 inline constexpr std::uint64_t kModelBytesMax = 1ull << 30;
@@ -40,12 +41,15 @@ struct ModelHeader {
   std::uint64_t file_bytes;
   std::uint64_t checksum;  // of everything behind this field
   ModelInfo info;
+  ModelTrials trials;
   ModelDepthHeader depths[kModelDepthsMax];
   ModelTable features, surface, contour;
+  ModelTable symmetry_turns, symmetry_axes;
 };
 static_assert(std::is_trivially_copyable_v<ModelHeader>);
 static_assert(sizeof(Feature) == 6 && sizeof(TemplateRange) == 12 && sizeof(Viewpoint) == 68);
 static_assert(sizeof(SurfaceSample) == 24 && sizeof(ContourSample) == 28);
+static_assert(sizeof(SymmetryTurn) == 44 && sizeof(SymmetryAxis) == 36);
 
 inline constexpr std::size_t kChecksumFrom =
     offsetof(ModelHeader, checksum) + sizeof(std::uint64_t);

@@ -47,6 +47,18 @@ bool plausible(const ModelInfo& i) {
          static_cast<int>(i.normal_codebook) <= 1;
 }
 
+bool plausible(const ScoreCalibration& c) {
+  return finite_and_positive(c.slope) && c.slope <= 100 && std::abs(c.offset) <= 100;
+}
+
+bool plausible(const ModelTrials& t) {
+  const auto share = [](double value) { return value >= 0 && value <= 1; };
+  const SelfTestRecord& test = t.self_test;
+  return plausible(t.with_intensity) && plausible(t.depth_alone) && t.calibration_piles >= 0 &&
+         finite_and_positive(t.variance_scale) && test.piles >= 0 && test.instances >= 0 &&
+         share(test.recall) && share(test.precision) && share(test.visible_fraction_min);
+}
+
 bool range_within(std::uint64_t first, std::uint64_t count, std::size_t size) {
   return first <= size && count <= size - first;
 }
@@ -61,6 +73,43 @@ bool template_valid(const TemplateRange& t, std::span<const Feature> features) {
     normal += f.normal_weight;
   }
   return gradient == t.gradient_weight_sum && normal == t.normal_weight_sum;
+}
+
+// What turns and axes have in common.
+template <class Row>
+bool symmetry_row_valid(const Row& row) {
+  const auto kind = static_cast<std::int32_t>(row.kind);
+  if (kind != 0 && kind != 1) return false;
+  if (!all_finite(row.axis, 3) || !all_finite(row.point_mm, 3)) return false;
+  const double length =
+      std::hypot(static_cast<double>(row.axis[0]), static_cast<double>(row.axis[1]),
+                 static_cast<double>(row.axis[2]));
+  if (std::abs(length - 1) > 1e-4) return false;
+  if (!(row.differing_share >= 0 && row.differing_share <= 1) || !(row.deviation_mm >= 0) ||
+      !std::isfinite(row.deviation_mm)) {
+    return false;
+  }
+  return kind == 1 || row.differing_share == 0;
+}
+
+bool turn_valid(const SymmetryTurn& t) {
+  const double angle = std::abs(static_cast<double>(t.angle_rad));
+  return symmetry_row_valid(t) && angle > 1e-3 && angle <= std::numbers::pi + 1e-6 &&
+         std::isfinite(t.shift_mm) && (t.kind == SymmetryKind::kNear || t.shift_mm == 0);
+}
+
+// How many rows are exact, when these are the first ones and both kinds are within their limits.
+template <class Row>
+bool split_kinds(std::span<const Row> rows, std::size_t exact_max, std::size_t near_max,
+                 std::span<const Row>& exact, std::span<const Row>& near) {
+  std::size_t count = 0;
+  while (count < rows.size() && rows[count].kind == SymmetryKind::kExact) ++count;
+  exact = rows.first(count);
+  near = rows.subspan(count);
+  for (const Row& row : near) {
+    if (row.kind != SymmetryKind::kNear) return false;
+  }
+  return exact.size() <= exact_max && near.size() <= near_max;
 }
 
 }  // namespace
@@ -85,9 +134,11 @@ Result<ObjectModel> ObjectModel::parse(std::span<const std::uint8_t> bytes) {
     return Error{ErrorCode::kModelChecksum, 0, "checksum"};
   }
   if (!plausible(header.info)) return inconsistent("training parameters");
+  if (!plausible(header.trials)) return inconsistent("calibration of the score");
 
   ObjectModel model;
   model.info_ = &header.info;
+  model.trials_ = &header.trials;
   model.bytes_total_ = bytes.size();
   if (!read_table(bytes, header.features, model.features_)) return inconsistent("feature table");
   if (!read_table(bytes, header.surface, model.surface_)) return inconsistent("surface table");
@@ -100,10 +151,13 @@ Result<ObjectModel> ObjectModel::parse(std::span<const std::uint8_t> bytes) {
     if (!all_finite(c.position_mm, 3) || !all_finite(c.tangent, 3))
       return inconsistent("contour sample");
   }
+  const Error symmetry_error = model.read_symmetry(bytes, header);
+  if (symmetry_error.code != ErrorCode::kNone) return symmetry_error;
   for (int d = 0; d < header.info.depth_count; ++d) {
     const Error error = model.read_depth(bytes, header, d);
     if (error.code != ErrorCode::kNone) return error;
   }
+  model.place_distances();
   for (int d = 0; d < header.info.depth_count; ++d) {
     const Error error = model.check_viewpoints(d);
     if (error.code != ErrorCode::kNone) return error;
@@ -142,6 +196,26 @@ Error ObjectModel::read_depth(std::span<const std::uint8_t> bytes, const ModelHe
   return {};
 }
 
+Error ObjectModel::read_symmetry(std::span<const std::uint8_t> bytes, const ModelHeader& header) {
+  std::span<const SymmetryTurn> turns;
+  std::span<const SymmetryAxis> axes;
+  if (!read_table(bytes, header.symmetry_turns, turns)) return inconsistent("symmetry turn table");
+  if (!read_table(bytes, header.symmetry_axes, axes)) return inconsistent("symmetry axis table");
+  for (const SymmetryTurn& t : turns) {
+    if (!turn_valid(t)) return inconsistent("symmetry turn");
+  }
+  for (const SymmetryAxis& a : axes) {
+    if (!symmetry_row_valid(a)) return inconsistent("symmetry axis");
+  }
+  if (!split_kinds(turns, kExactTurnsMax, kNearTurnsMax, symmetry_.exact_turns,
+                   symmetry_.near_turns) ||
+      !split_kinds(axes, kSymmetryAxesMax, kSymmetryAxesMax, symmetry_.exact_axes,
+                   symmetry_.near_axes)) {
+    return inconsistent("symmetry kinds");
+  }
+  return {};
+}
+
 Error ObjectModel::check_viewpoints(int d) const {
   const std::size_t below =
       d + 1 < info_->depth_count ? depths_[d + 1].viewpoints.size() : std::size_t{0};
@@ -176,14 +250,22 @@ Mat3 ObjectModel::rotation(int d, int viewpoint, int roll) const {
   return Z * R;
 }
 
-double ObjectModel::distance_mm(int d, int distance_index) const {
-  // Leaves cut the range evenly; a parent stands in the middle of its children.
-  const int halvings = depth_count() - 1 - d;
+// What matters is scale: leaves cut the range into equal ratios, and a node stands in the middle of
+// its leaves, in this sense.
+void ObjectModel::place_distances() {
   const int leaves = depths_[depth_count() - 1].distance_count;
-  const int first = distance_index << halvings;
-  const int last = std::min(leaves, (distance_index + 1) << halvings);
-  const double step = (info_->distance_max_mm - info_->distance_min_mm) / leaves;
-  return info_->distance_min_mm + step * (first + last) / 2;
+  const double ratio = info_->distance_max_mm / info_->distance_min_mm;
+  const auto border_mm = [&](int leaf) {
+    return info_->distance_min_mm * std::pow(ratio, static_cast<double>(leaf) / leaves);
+  };
+  for (int d = 0; d < depth_count(); ++d) {
+    const int halvings = depth_count() - 1 - d;
+    for (int k = 0; k < depths_[d].distance_count; ++k) {
+      const double near_mm = border_mm(k << halvings);
+      const double far_mm = border_mm(std::min(leaves, (k + 1) << halvings));
+      distances_[d][k] = {std::sqrt(near_mm * far_mm), far_mm - near_mm};
+    }
+  }
 }
 
 }  // namespace binpick

@@ -31,7 +31,9 @@ void for_living(const PoseContext& context, std::span<Hypothesis> hypotheses, Fn
       if (context.deadline.passed()) {
         h.drop(DropReason::kDeadline);
       } else {
-        fn(context.models[h.candidate.model], h);
+        const ObjectModel& model = context.models[h.candidate.model];
+        h.T_cam_centre = context.moves[h.candidate.model].canonical(model, h.T_cam_centre);
+        fn(model, h);
       }
     }
   });
@@ -43,10 +45,10 @@ bool sane(const Pose& T) {
 
 }  // namespace
 
-bool same_pose(const Hypothesis& a, const Hypothesis& b, double position_mm, double rotation_rad) {
+bool same_pose(std::span<const PartMoves> moves, const Hypothesis& a, const Hypothesis& b,
+               double position_mm, double rotation_rad) {
   return a.candidate.model == b.candidate.model &&
-         (a.T_cam_centre.t_mm - b.T_cam_centre.t_mm).squaredNorm() < position_mm * position_mm &&
-         rotation_angle_between(a.T_cam_centre.R, b.T_cam_centre.R) < rotation_rad;
+         moves[a.candidate.model].same(a.T_cam_centre, b.T_cam_centre, position_mm, rotation_rad);
 }
 
 ScoreTerms terms_of(const Hypothesis& h) {
@@ -92,25 +94,30 @@ void run_icp(const PoseContext& context, std::span<Hypothesis> hypotheses) {
   });
 }
 
+bool refine_pose(const PoseContext& context, const ObjectModel& model, Pose& T_cam_centre) {
+  refine(model, context.scene, refine_params(model, T_cam_centre), T_cam_centre);
+  return sane(T_cam_centre);
+}
+
+void verify_pose(const PoseContext& context, Hypothesis& h) {
+  const ObjectModel& model = context.models[h.candidate.model];
+  h.evidence = verify(model, context.scene, h.T_cam_centre);
+  h.score = probability(terms_of(h), h.evidence.with_intensity, model.trials());
+  h.rank = h.evidence.explained_mm2 * h.score;
+}
+
 void run_refine(const PoseContext& context, std::span<Hypothesis> hypotheses) {
   for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
-    RefineParams params;
-    params.depth_gate_mm =
-        std::max(0.02 * model.info().diameter_mm, 0.002 * h.T_cam_centre.t_mm.z());
-    refine(model, context.scene, params, h.T_cam_centre);
-    if (!sane(h.T_cam_centre)) h.drop(DropReason::kPoseDiverged);
+    if (!refine_pose(context, model, h.T_cam_centre)) h.drop(DropReason::kPoseDiverged);
   });
 }
 
 void run_verify(const PoseContext& context, std::span<Hypothesis> hypotheses) {
-  for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
-    h.evidence = verify(model, context.scene, h.T_cam_centre);
-    h.score = probability(terms_of(h), h.evidence.with_intensity);
-    h.rank = h.evidence.explained_mm2 * h.score;
-  });
+  for_living(context, hypotheses,
+             [&](const ObjectModel&, Hypothesis& h) { verify_pose(context, h); });
 }
 
-int suppress(std::span<const ObjectModel> models, std::span<Hypothesis> hypotheses, int per_place,
+int suppress(const PoseContext& context, std::span<Hypothesis> hypotheses, int per_place,
              DetectionReport& report) {
   for (const Hypothesis& h : hypotheses) {
     if (!h.alive) count_drop(report, h.drop_reason);
@@ -119,19 +126,21 @@ int suppress(std::span<const ObjectModel> models, std::span<Hypothesis> hypothes
   std::size_t kept = 0;
   for (const Hypothesis& h : hypotheses) {
     if (!h.alive) break;
-    const double diameter = models[h.candidate.model].info().diameter_mm;
+    const double diameter = context.models[h.candidate.model].info().diameter_mm;
     int here = 0;
     bool repeated = false;
     for (std::size_t k = 0; k < kept && !repeated; ++k) {
       const Hypothesis& better = hypotheses[k];
       if (better.candidate.model != h.candidate.model) continue;
-      repeated = same_pose(better, h, kSameRefinedShare * diameter, kSameRefinedRotation);
+      repeated =
+          same_pose(context.moves, better, h, kSameRefinedShare * diameter, kSameRefinedRotation);
       here += (better.T_cam_centre.t_mm - h.T_cam_centre.t_mm).norm() < kSamePlaceShare * diameter;
     }
     if (repeated || here >= per_place) {
       count_drop(report, repeated ? DropReason::kDuplicate : DropReason::kLevelLimit);
     } else {
-      hypotheses[kept++] = h;
+      hypotheses[kept] = h;
+      hypotheses[kept++].leads = here == 0;
     }
   }
   return static_cast<int>(kept);

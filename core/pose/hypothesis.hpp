@@ -7,6 +7,7 @@
 #include "base/deadline.hpp"
 #include "binpick/base/worker_pool.hpp"
 #include "binpick/report/detection.hpp"
+#include "pose/part_moves.hpp"
 #include "pose/scene.hpp"
 #include "pose/verify.hpp"
 #include "search/candidate.hpp"
@@ -17,8 +18,9 @@ struct Hypothesis {
   Candidate candidate;
   Pose T_cam_centre;
   Evidence evidence;
-  double score = 0;  // probability that the pose is right, once it is verified
-  double rank = 0;   // what the list is ordered by
+  double score = 0;    // probability that the pose is right, once it is verified
+  double rank = 0;     // what the list is ordered by
+  bool leads = false;  // the best at its place, after suppress()
   bool alive = true;
   DropReason drop_reason = DropReason::kDuplicate;  // where not alive
 
@@ -31,13 +33,16 @@ struct Hypothesis {
 ScoreTerms terms_of(const Hypothesis& h);
 // Living before dropped, then by rank; a total order.
 bool better_hypothesis(const Hypothesis& a, const Hypothesis& b);
-// Whether two poses of one model differ by less than the limits.
-bool same_pose(const Hypothesis& a, const Hypothesis& b, double position_mm, double rotation_rad);
+// Whether two hypotheses are of one model and their poses, or poses that its exact symmetries make
+// equal to them, differ by less than the limits. `moves`: of all models.
+bool same_pose(std::span<const PartMoves> moves, const Hypothesis& a, const Hypothesis& b,
+               double position_mm, double rotation_rad);
 void count_drop(DetectionReport& report, DropReason reason);
 
 // Each stage works on every living hypothesis on its own.
 struct PoseContext {
   std::span<const ObjectModel> models;
+  std::span<const PartMoves> moves;  // of each model
   const Scene& scene;
   WorkerPool& pool;
   Deadline deadline;  // of the stage: hypotheses that it does not reach are dropped
@@ -47,10 +52,14 @@ void run_icp(const PoseContext& context, std::span<Hypothesis> hypotheses);
 void run_refine(const PoseContext& context, std::span<Hypothesis> hypotheses);
 void run_verify(const PoseContext& context, std::span<Hypothesis> hypotheses);
 
+// The last two for a single pose. False where refinement lost it.
+bool refine_pose(const PoseContext& context, const ObjectModel& model, Pose& T_cam_centre);
+void verify_pose(const PoseContext& context, Hypothesis& h);
+
 // Sorts by evidence, best first, drops those whose pose repeats a better one, keeps at most
 // per_place around each place, and moves the living ones to the front. Returns how many live;
 // counts the drops.
-int suppress(std::span<const ObjectModel> models, std::span<Hypothesis> hypotheses, int per_place,
+int suppress(const PoseContext& context, std::span<Hypothesis> hypotheses, int per_place,
              DetectionReport& report);
 
 }  // namespace binpick

@@ -6,22 +6,32 @@
 
 namespace binpick {
 
-void refine(const ObjectModel& model, const Scene& scene, const RefineParams& params, Pose& T) {
+RefineParams refine_params(const ObjectModel& model, const Pose& T) {
+  RefineParams params;
+  params.depth_gate_mm = std::max(0.02 * model.info().diameter_mm, 0.002 * T.t_mm.z());
+  return params;
+}
+
+int add_residuals(const ObjectModel& model, const Scene& scene, const RefineParams& params,
+                  int contour_range_px, const Pose& T, NormalEquations& equations) {
   const double depth_sigma_mm = scene.depth_noise_mm(T.t_mm.z());
   const double depth_tolerance_mm = 0.02 * model.info().diameter_mm + 0.003 * T.t_mm.z();
+  const Viewpoint& view = nearest_viewpoint(model, T);
+  const int pairs = add_depth_residuals(view, model, scene, T, 1, params.depth_gate_mm,
+                                        depth_sigma_mm, equations);
+  return pairs + add_contour_residuals(view, model, scene, T, contour_range_px,
+                                       params.contour_sigma_px, depth_tolerance_mm, equations);
+}
+
+void refine(const ObjectModel& model, const Scene& scene, const RefineParams& params, Pose& T) {
   const double radius = model.info().diameter_mm / 4;
   const int last = params.iterations_max - 1;
   for (int i = 0; i <= last; ++i) {
-    const Viewpoint& view = nearest_viewpoint(model, T);
     const int range_px =
         params.contour_range_start_px -
         (params.contour_range_start_px - params.contour_range_end_px) * i / std::max(1, last);
     NormalEquations equations;
-    const int pairs = add_depth_residuals(view, model, scene, T, 1, params.depth_gate_mm,
-                                          depth_sigma_mm, equations);
-    const int edges = add_contour_residuals(view, model, scene, T, range_px,
-                                            params.contour_sigma_px, depth_tolerance_mm, equations);
-    if (pairs + edges < 12) return;
+    if (add_residuals(model, scene, params, range_px, T, equations) < 12) return;
     const auto step = equations.solve(2 * radius * radius, 2);
     const Vec3 turn = step.head<3>(), shift = step.tail<3>();
     T = left_increment(T, turn, shift, T.t_mm);

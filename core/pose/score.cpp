@@ -46,11 +46,12 @@ ScoreTerms score_terms(const Evidence& e, double template_score) {
   return terms;
 }
 
-double probability(const ScoreTerms& terms, bool with_intensity) {
+double probability(const ScoreTerms& terms, bool with_intensity, const ModelTrials& trials) {
   const ScoreWeights& weights = with_intensity ? kScoreWeights : kScoreWeightsOfDepthAlone;
   double log_odds = weights.back();
   for (std::size_t i = 0; i < terms.size(); ++i) log_odds += weights[i] * terms[i];
-  return 1 / (1 + std::exp(-log_odds));
+  const ScoreCalibration& part = with_intensity ? trials.with_intensity : trials.depth_alone;
+  return 1 / (1 + std::exp(-(part.slope * log_odds + part.offset)));
 }
 
 }  // namespace binpick

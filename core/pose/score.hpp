@@ -9,6 +9,7 @@
 
 #include <array>
 
+#include "binpick/model/model_trials.hpp"
 #include "binpick/report/detection.hpp"
 #include "pose/verify.hpp"
 
@@ -16,7 +17,7 @@ namespace binpick {
 
 // `template_score`: of the matched leaf, both modalities, 0..2.
 ScoreTerms score_terms(const Evidence& evidence, double template_score);
-// 1 / (1 + e^-(weighted sum of the terms)).
-double probability(const ScoreTerms& terms, bool with_intensity);
+// 1 / (1 + e^-log odds); the log odds are the weighted sum of the terms, calibrated for the part.
+double probability(const ScoreTerms& terms, bool with_intensity, const ModelTrials& trials);
 
 }  // namespace binpick

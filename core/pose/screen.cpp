@@ -20,8 +20,10 @@ constexpr double kSeenEnough = 0.3;
 constexpr double kSameRotation = 5 * std::numbers::pi / 180;
 constexpr double kSamePositionShare = 0.03;  // of the diameter
 
-// Share of the visible surface, as far as it is measured and not hidden, at which the measured one
-// lies and faces the same way: fully up to 37 degrees apart, not at all from 90.
+// At how much of the surface the measured one lies and faces the same way: fully up to 37 degrees
+// apart, not at all from 90. The share of what is measured and not hidden, times the root of the
+// share of all: clutter fits small pieces of nearly anything, so that what shows and fits much goes
+// before what fits as well and shows little.
 double surface_support(const ObjectModel& model, const Scene& scene, const Pose& T) {
   const auto surface = model.surface(nearest_viewpoint(model, T));
   const std::size_t step = surface.size() / kSamplesMax + 1;
@@ -41,7 +43,8 @@ double surface_support(const ObjectModel& model, const Scene& scene, const Pose&
     if (std::abs(r) > tolerance_mm) continue;
     supported += std::clamp(1.25 * normal_agreement(scene, u, v, p, n), 0.0, 1.0);
   }
-  return supported / std::max<double>(seen, kSeenEnough * samples);
+  const double of_seen = supported / std::max<double>(seen, kSeenEnough * samples);
+  return samples > 0 ? of_seen * std::sqrt(supported / samples) : 0;
 }
 
 Hypothesis screened(const PoseContext& context, const Candidate& candidate,
@@ -56,8 +59,7 @@ Hypothesis screened(const PoseContext& context, const Candidate& candidate,
     return h;
   }
   h.T_cam_centre = candidate_pose(model, leaf, candidate, pyramid);
-  const double interval_mm =
-      (info.distance_max_mm - info.distance_min_mm) / model.depth(leaf).distance_count;
+  const double interval_mm = model.distance_interval_mm(leaf, candidate.distance);
   const double range_mm = 0.5 * info.diameter_mm + 0.75 * interval_mm;
   if (!align_depth(model, context.scene, range_mm, h.T_cam_centre)) {
     h.drop(DropReason::kPoseDiverged);
@@ -93,7 +95,7 @@ int screen_candidates(const PoseContext& context, std::span<const Candidate> lea
       count_drop(report, DropReason::kLevelLimit);
     } else if (std::any_of(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(kept),
                            [&](const Hypothesis& better) {
-                             return same_pose(better, h, limit_mm, kSameRotation);
+                             return same_pose(context.moves, better, h, limit_mm, kSameRotation);
                            })) {
       count_drop(report, DropReason::kDuplicate);
     } else {

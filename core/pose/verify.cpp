@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "pose/contour.hpp"
 #include "pose/view_lookup.hpp"
 
 namespace binpick {
@@ -67,31 +66,6 @@ void add_surface(const ObjectModel& model, const Scene& scene, const Pose& T, co
   }
 }
 
-// Whether a depth step of the contour's direction lies at its place or beside it.
-bool on_depth_edge(const Scene& scene, const Vec3& point_cam, const Vec2& normal) {
-  const PyramidLevel& level = scene.depth;
-  const auto [u, v, depth_mm] = scene.measured_at(point_cam);
-  if (u < 1 || v < 1 || u >= level.width - 1 || v >= level.height - 1) return false;
-  const std::ptrdiff_t stride = level.stride;
-  const std::uint8_t* at = level.depth_edges + v * stride + u;
-  const unsigned steps = static_cast<unsigned>(at[0] | at[-1] | at[1] | at[-stride] | at[stride]);
-  const double turn = std::atan2(normal.y(), normal.x()) * 8 / std::numbers::pi + 16.5;
-  const int bin = static_cast<int>(turn) & 7;
-  const unsigned near = (1u << bin) | (1u << ((bin + 1) & 7)) | (1u << ((bin + 7) & 7));
-  return (steps & near) != 0;
-}
-
-// Whether the surface at the contour goes on beyond it: near depth on both sides.
-bool continues(const Scene& scene, const ContourPlace& place, double tolerance_mm) {
-  const auto beside = [&](double offset_px) {
-    const Vec2 px = place.pixel + offset_px * place.normal_px;
-    return scene.measured_px(px);
-  };
-  const double a = beside(kBesidePx), b = beside(-kBesidePx);
-  return a > 0 && b > 0 && std::abs(a - b) < 0.5 * tolerance_mm &&
-         std::abs(a - place.point_cam.z()) < tolerance_mm;
-}
-
 void add_crease(const ContourPlace& place, const Scene& scene, Evidence& e) {
   ++e.creases;
   const ContourMatch m = match_contour(place, scene, kContourRangePx);
@@ -100,7 +74,7 @@ void add_crease(const ContourPlace& place, const Scene& scene, Evidence& e) {
 
 void add_outline(const ContourPlace& place, const Scene& scene, double tolerance_mm, Evidence& e) {
   ++e.contours;
-  e.outline_continued += continues(scene, place, tolerance_mm);
+  e.outline_continued += surface_continues(scene, place, tolerance_mm);
   if (on_depth_edge(scene, place.point_cam, place.normal_px)) {
     ++e.outline_steps;
     e.contours_supported += 1;
@@ -115,7 +89,7 @@ void add_outline(const ContourPlace& place, const Scene& scene, double tolerance
 
 void add_contours(const ObjectModel& model, const Scene& scene, const Pose& T,
                   const Viewpoint& view, Evidence& e) {
-  const double tolerance_mm = 2 * tolerances(model, scene, T).conflict_mm;
+  const double tolerance_mm = contour_tolerance_mm(model, scene, T);
   for (const ContourSample& s : model.contour(view)) {
     const ContourPlace place = place_contour(s, scene, T, kContourRangePx, tolerance_mm);
     if (!place.visible) continue;
@@ -128,6 +102,33 @@ void add_contours(const ObjectModel& model, const Scene& scene, const Pose& T,
 }
 
 }  // namespace
+
+double contour_tolerance_mm(const ObjectModel& model, const Scene& scene, const Pose& T) {
+  return 2 * tolerances(model, scene, T).conflict_mm;
+}
+
+bool on_depth_edge(const Scene& scene, const Vec3& point_cam, const Vec2& normal) {
+  const PyramidLevel& level = scene.depth;
+  const auto [u, v, depth_mm] = scene.measured_at(point_cam);
+  if (u < 1 || v < 1 || u >= level.width - 1 || v >= level.height - 1) return false;
+  const std::ptrdiff_t stride = level.stride;
+  const std::uint8_t* at = level.depth_edges + v * stride + u;
+  const unsigned steps = static_cast<unsigned>(at[0] | at[-1] | at[1] | at[-stride] | at[stride]);
+  const double turn = std::atan2(normal.y(), normal.x()) * 8 / std::numbers::pi + 16.5;
+  const int bin = static_cast<int>(turn) & 7;
+  const unsigned near = (1u << bin) | (1u << ((bin + 1) & 7)) | (1u << ((bin + 7) & 7));
+  return (steps & near) != 0;
+}
+
+bool surface_continues(const Scene& scene, const ContourPlace& place, double tolerance_mm) {
+  const auto beside = [&](double offset_px) {
+    const Vec2 px = place.pixel + offset_px * place.normal_px;
+    return scene.measured_px(px);
+  };
+  const double a = beside(kBesidePx), b = beside(-kBesidePx);
+  return a > 0 && b > 0 && std::abs(a - b) < 0.5 * tolerance_mm &&
+         std::abs(a - place.point_cam.z()) < tolerance_mm;
+}
 
 double normal_agreement(const Scene& scene, int u, int v, const Vec3& p, const Vec3& n_cam) {
   const std::ptrdiff_t i = v * scene.depth.stride + u;

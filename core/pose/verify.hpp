@@ -2,6 +2,7 @@
 #pragma once
 
 #include "binpick/model/object_model.hpp"
+#include "pose/contour.hpp"
 #include "pose/scene.hpp"
 
 namespace binpick {
@@ -46,6 +47,13 @@ struct Evidence {
 // Cosine between a model normal (camera axes) at a point and the normal measured at a pixel; 1
 // where none was measured.
 double normal_agreement(const Scene& scene, int u, int v, const Vec3& point_cam, const Vec3& n_cam);
+
+// Up to this far before a contour something hides it.
+double contour_tolerance_mm(const ObjectModel& model, const Scene& scene, const Pose& T_cam_centre);
+// Whether a depth step of the contour's direction lies at its place or beside it.
+bool on_depth_edge(const Scene& scene, const Vec3& point_cam, const Vec2& normal_px);
+// Whether the surface at the contour goes on beyond it: near depth on both sides.
+bool surface_continues(const Scene& scene, const ContourPlace& place, double tolerance_mm);
 
 Evidence verify(const ObjectModel& model, const Scene& scene, const Pose& T_cam_centre);
 

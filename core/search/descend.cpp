@@ -102,6 +102,28 @@ DescendCounts descend(const DescendContext& context, int depth, std::span<const 
   return {matched, ended};
 }
 
+namespace {
+
+// The largest share of each distance so that all together stay within `all`.
+int share_of_distance(std::span<const Candidate> candidates, int all, int distance_shift) {
+  int counts[kModelDistancesMax] = {};
+  int needy = 0;
+  for (const Candidate& c : candidates) {
+    if (c.score > 0) needy += counts[c.distance >> distance_shift]++ == 0;
+  }
+  std::sort(counts, counts + kModelDistancesMax);
+  int room = all;
+  for (const int count : counts) {
+    if (count == 0) continue;
+    if (count > room / needy) return room / needy;
+    room -= count;
+    --needy;
+  }
+  return all;
+}
+
+}  // namespace
+
 int select_candidates(std::span<Candidate> candidates, const SelectLimits& limits, int place_px,
                       const Roi& region, std::span<PlaceCount> places, int& dropped) {
   std::sort(candidates.begin(), candidates.end());
@@ -109,16 +131,21 @@ int select_candidates(std::span<Candidate> candidates, const SelectLimits& limit
   BINPICK_ASSERT(places.size() >=
                  static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   std::fill_n(places.begin(), columns * rows, PlaceCount{});
+  const int share = share_of_distance(candidates, limits.all, limits.distance_shift);
+  int of_distance[kModelDistancesMax] = {};
   int kept = 0;
   for (const Candidate& c : candidates) {
     if (c.score == 0) break;
+    int& here = of_distance[c.distance >> limits.distance_shift];
     const int column = (c.x << c.level) / place_px, row = (c.y << c.level) / place_px;
     PlaceCount& place = places[static_cast<std::size_t>(row * columns + column)];
     std::uint8_t& of_origin = place.of_origin[c.origin % kOriginsMax];
-    if (kept == limits.all || place.all == limits.per_place || of_origin == limits.per_origin) {
+    if (kept == limits.all || here == share || place.all == limits.per_place ||
+        of_origin == limits.per_origin) {
       ++dropped;
       continue;
     }
+    ++here;
     ++place.all;
     ++of_origin;
     candidates[static_cast<std::size_t>(kept++)] = c;

@@ -37,9 +37,11 @@ DescendCounts descend(const DescendContext& context, int depth, std::span<const 
                       std::span<Candidate> children, WorkerPool& pool);
 
 // How many candidates go on from a depth: in all, in each square of some pixels, and there from
-// each viewpoint of the scan.
+// each viewpoint of the scan. Scores of small templates scatter more than those of large ones, and
+// a far background has room for many, so each distance of the scan has an equal share of all; what
+// it does not need goes to the others. `distance_shift`: depths below the scan's.
 struct SelectLimits {
-  int all, per_place, per_origin;
+  int all, per_place, per_origin, distance_shift;
 };
 
 // Viewpoints of the deepest scan.

@@ -17,8 +17,7 @@ bool DistanceGate::allows(const PyramidLevel& level, int x, int y, int d,
   const TreeDepth& depth = model_.depth(d);
   if (depth.distance_count == 1) return true;
   const ModelInfo& info = model_.info();
-  const double half_interval =
-      (info.distance_max_mm - info.distance_min_mm) / depth.distance_count / 2;
+  const double half_interval = model_.distance_interval_mm(d, distance_index) / 2;
   const double expected =
       model_.distance_mm(d, distance_index) - kSurfaceBeforeCentre * info.diameter_mm;
   const double tolerance = half_interval + kSurfaceSpread * info.diameter_mm;

@@ -53,8 +53,13 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
   const int place = place_px(model, context.pyramid.level(0).camera);
   const auto limits_at = [&](int step) {
     return SelectLimits{params_.candidates_max[step], params_.per_place_max[step],
-                        params_.per_origin_max[step]};
+                        params_.per_origin_max[step], step};
   };
+  const auto observe = [&](int depth, bool selected, std::span<const Candidate> found) {
+    if (context.observer)
+      context.observer->candidates(context, model_index, depth, selected, found);
+  };
+  const auto living = [&](int n) { return buffers_.candidates.first(static_cast<std::size_t>(n)); };
   int& below_limit = report.dropped[static_cast<int>(DropReason::kLevelLimit)];
 
   const Stopwatch scan_watch(context.clock);
@@ -70,9 +75,10 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
         static_cast<std::int64_t>(model.depth(scan_depth).templates.size()) * level.width *
         level.height / 16;
   }
-  count =
-      select_candidates(buffers_.candidates.first(static_cast<std::size_t>(count)), limits_at(0),
-                        place, context.pyramid.region(), buffers_.places, below_limit);
+  observe(scan_depth, false, living(count));
+  count = select_candidates(living(count), limits_at(0), place, context.pyramid.region(),
+                            buffers_.places, below_limit);
+  observe(scan_depth, true, living(count));
   report.candidates[static_cast<std::size_t>(scan_depth)] += count;
   const double scan_ms = scan_watch.elapsed_ms();
   report.level_ms[static_cast<std::size_t>(scan_depth)] += scan_ms;
@@ -85,19 +91,19 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
                                          context.kernels, context.layout, threshold};
     const std::span<Candidate> children =
         buffers_.children.first(static_cast<std::size_t>(count) * kChildrenKept);
-    const DescendCounts counts =
-        descend(descend_context, d, buffers_.candidates.first(static_cast<std::size_t>(count)),
-                children, context.pool);
+    const DescendCounts counts = descend(descend_context, d, living(count), children, context.pool);
     report.templates_evaluated[static_cast<std::size_t>(d)] += counts.templates_matched;
     report.dropped[static_cast<int>(DropReason::kBelowMatchThreshold)] += counts.parents_ended;
     report.level_ms[static_cast<std::size_t>(d)] += watch.elapsed_ms();
     std::copy(children.begin(), children.end(), buffers_.candidates.begin());
+    observe(d, false, children);
     count = select_candidates(buffers_.candidates.first(children.size()), limits_at(d - scan_depth),
                               place, context.pyramid.region(), buffers_.places, below_limit);
+    observe(d, true, living(count));
     report.candidates[static_cast<std::size_t>(d)] += count;
     report.stage_ms[static_cast<int>(Stage::kDescend)] += watch.elapsed_ms();
   }
-  return buffers_.candidates.first(static_cast<std::size_t>(count));
+  return living(count);
 }
 
 }  // namespace binpick

@@ -9,6 +9,7 @@
 #include "binpick/report/detection.hpp"
 #include "search/descend.hpp"
 #include "search/scan.hpp"
+#include "search/search_observer.hpp"
 
 namespace binpick {
 
@@ -37,6 +38,7 @@ struct SearchContext {
   WorkerPool& pool;
   ClockFn clock;
   Deadline deadline;
+  SearchObserver* observer = nullptr;  // of a diagnosis
 };
 
 class TreeSearch {

@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "binpick/train/trainer.hpp"
 #include "model/model_format.hpp"
 
 namespace binpick::train {
@@ -22,11 +23,19 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
+// The header in front of the tables, with the checksum of all.
+void seal(ModelHeader& header, std::vector<std::uint8_t>& bytes) {
+  std::memcpy(bytes.data(), &header, sizeof(header));
+  header.checksum = model_checksum(std::span(bytes).subspan(kChecksumFrom));
+  std::memcpy(bytes.data(), &header, sizeof(header));
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tree,
                                       const TemplateSet& templates,
-                                      const std::vector<ViewSamples>& views) {
+                                      const std::vector<ViewSamples>& views,
+                                      const FoundSymmetry& symmetry) {
   ModelHeader header;
   std::memset(static_cast<void*>(&header), 0,
               sizeof(header));  // padding too: the same part gives the same bytes
@@ -34,6 +43,7 @@ std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tre
   header.version = kModelVersion;
   header.header_bytes = sizeof(ModelHeader);
   std::memcpy(static_cast<void*>(&header.info), &info, sizeof(info));
+  header.trials = ModelTrials{};
   std::vector<std::uint8_t> bytes(sizeof(ModelHeader), 0);
 
   std::vector<Feature> features;
@@ -84,11 +94,18 @@ std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tre
   header.features = append_table(bytes, features);
   header.surface = append_table(bytes, surface);
   header.contour = append_table(bytes, contour);
+  header.symmetry_turns = append_table(bytes, symmetry.turns);
+  header.symmetry_axes = append_table(bytes, symmetry.axes);
   header.file_bytes = bytes.size();
-  std::memcpy(bytes.data(), &header, sizeof(header));
-  header.checksum = model_checksum(std::span(bytes).subspan(kChecksumFrom));
-  std::memcpy(bytes.data(), &header, sizeof(header));
+  seal(header, bytes);
   return bytes;
+}
+
+void set_trials(std::vector<std::uint8_t>& model, const ModelTrials& trials) {
+  ModelHeader header;
+  std::memcpy(static_cast<void*>(&header), model.data(), sizeof(header));
+  header.trials = trials;
+  seal(header, model);
 }
 
 }  // namespace binpick::train

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "train/symmetry.hpp"
 #include "train/template_builder.hpp"
 #include "train/view_samples.hpp"
 
@@ -11,6 +12,7 @@ namespace binpick::train {
 
 std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tree,
                                       const TemplateSet& templates,
-                                      const std::vector<ViewSamples>& views);
+                                      const std::vector<ViewSamples>& views,
+                                      const FoundSymmetry& symmetry);
 
 }  // namespace binpick::train

@@ -6,14 +6,16 @@
 
 #include "binpick/model/object_model.hpp"
 #include "train/icosphere.hpp"
+#include "train/view_reduction.hpp"
 
 namespace binpick::train {
 namespace {
 
-// Which vertices of each subdivision are wanted: leaves within the tilt limit, and their ancestors.
+// Which vertices of each subdivision are wanted: leaves within the tilt limit, as far as the part's
+// symmetry needs them, and their ancestors.
 std::vector<std::vector<char>> wanted_vertices(const Icosphere& sphere,
                                                const std::vector<std::vector<int>>& parents,
-                                               double tilt_max_deg) {
+                                               double tilt_max_deg, const FoundSymmetry& symmetry) {
   const int depths = static_cast<int>(sphere.counts.size());
   std::vector<std::vector<char>> wanted(depths);
   for (int d = 0; d < depths; ++d) wanted[d].assign(sphere.counts[d], 0);
@@ -21,9 +23,17 @@ std::vector<std::vector<char>> wanted_vertices(const Icosphere& sphere,
   // it.
   const double spacing_deg = 63.4 / (1 << (depths - 1));
   const double limit_rad = std::min(180.0, tilt_max_deg + spacing_deg / 2) * std::numbers::pi / 180;
+  std::vector<int> within;
+  std::vector<Vec3> directions;
   for (int v = 0; v < sphere.counts.back(); ++v) {
     if (sphere.vertices[v].z() < std::cos(limit_rad) - 1e-12) continue;
-    int at = v;
+    within.push_back(v);
+    directions.push_back(sphere.vertices[v]);
+  }
+  const std::vector<char> needed = needed_viewpoints(directions, tilt_max_deg, symmetry);
+  for (std::size_t i = 0; i < within.size(); ++i) {
+    if (!needed[i]) continue;
+    int at = within[i];
     wanted[depths - 1][at] = 1;
     for (int d = depths - 1; d > 0; --d) {
       at = parents[d - 1][at];
@@ -44,6 +54,14 @@ Mat3 looking_from(const Vec3& direction) {
   return R;
 }
 
+// Steps of equal ratio, since distance is scale; the interval is that of the middle of the range.
+int leaf_distance_count(const TrainOptions& options) {
+  const double middle_mm = std::sqrt(options.distance_min_mm * options.distance_max_mm);
+  const double steps = std::log(options.distance_max_mm / options.distance_min_mm) /
+                       std::log1p(options.distance_interval_mm / middle_mm);
+  return std::clamp(static_cast<int>(std::lround(steps)), 1, kModelDistancesMax);
+}
+
 }  // namespace
 
 double roll_centre_rad(int roll, int roll_count) {
@@ -57,22 +75,19 @@ Mat3 rotation_z(double angle_rad) {
   return R;
 }
 
-PoseTree make_pose_tree(const TrainOptions& options) {
+PoseTree make_pose_tree(const TrainOptions& options, const FoundSymmetry& symmetry) {
   const int depths = options.tree_depths;
   const Icosphere sphere = make_icosphere(depths);
   std::vector<std::vector<int>> parents;
   for (int s = 0; s + 1 < depths; ++s) parents.push_back(balanced_parents(sphere, s));
-  const auto wanted = wanted_vertices(sphere, parents, options.tilt_max_deg);
+  const auto wanted = wanted_vertices(sphere, parents, options.tilt_max_deg, symmetry);
 
   PoseTree tree;
   tree.depths.resize(depths);
   const int halvings = 1 << (depths - 1);
   const int root_rolls =
       std::max(1, static_cast<int>(std::lround(360 / options.roll_interval_deg / halvings)));
-  const double range_mm = options.distance_max_mm - options.distance_min_mm;
-  // A range too wide for the interval gets coarser steps: far away the same step matters less.
-  const int leaf_distances = std::clamp(
-      static_cast<int>(std::ceil(range_mm / options.distance_interval_mm)), 1, kModelDistancesMax);
+  const int leaf_distances = leaf_distance_count(options);
 
   std::vector<int> vertex_of;  // of the depth just built: tree index -> sphere vertex
   for (int v = 0; v < sphere.counts[0]; ++v) {

@@ -7,6 +7,7 @@
 
 #include "binpick/geometry/pose.hpp"
 #include "binpick/train/trainer.hpp"
+#include "train/symmetry.hpp"
 
 namespace binpick::train {
 
@@ -30,7 +31,9 @@ struct PoseTree {
   const TreeLayer& leaves() const { return depths.back(); }
 };
 
-PoseTree make_pose_tree(const TrainOptions& options);
+// Viewpoints that an exact symmetry makes equal to others are left out, leaves first: a node has
+// fewer children then, and is gone when it has none.
+PoseTree make_pose_tree(const TrainOptions& options, const FoundSymmetry& symmetry = {});
 
 // Centre of roll r of n, in rad.
 double roll_centre_rad(int roll, int roll_count);

@@ -48,6 +48,11 @@ bool crease_angle(const RenderedView& view, int x, int y, float& angle_rad) {
   return true;
 }
 
+// No rendering farther than this from a viewpoint lies within its jitter, a square of tilts.
+double reach_cos(double tilt_jitter_deg) {
+  return std::cos(std::min(1.5 * tilt_jitter_deg * kDegree, std::numbers::pi));
+}
+
 void thin_surface(int first, RenderedSample& sample) {
   std::vector<SurfacePoint> kept;
   kept.reserve(sample.surface.size() / kPooledSurfaceStride + 1);
@@ -125,8 +130,9 @@ void extract_features(const RenderedView& view, const CameraIntrinsics& camera,
 }
 
 std::vector<RenderedSample> make_sample_pool(const Mesh& centred_mesh, const TrainOptions& options,
-                                             const TemplateCamera& camera, int count,
-                                             WorkerPool& pool, const TrainProgress& progress) {
+                                             const PoseTree& tree, const TemplateCamera& camera,
+                                             int count, WorkerPool& pool,
+                                             const TrainProgress& progress) {
   // Even cover of the sphere: the golden-angle spiral, in an order that is shuffled by the seed so
   // that any run of indices is spread over the sphere too.
   std::vector<int> order(count);
@@ -138,6 +144,12 @@ std::vector<RenderedSample> make_sample_pool(const Mesh& centred_mesh, const Tra
   const double leaf_spacing_deg = 63.4 / (1 << (options.tree_depths - 1));
   const double beyond_deg = std::max(8.0, leaf_spacing_deg / 2) + 1.5 * options.tilt_jitter_deg;
   const double tilt_limit = std::min(180.0, options.tilt_max_deg + beyond_deg) * kDegree;
+  const auto taken = [&](const Vec3& direction) {
+    const auto& leaves = tree.leaves().viewpoints;
+    return std::any_of(leaves.begin(), leaves.end(), [&](const TreeViewpoint& v) {
+      return v.direction_obj.dot(direction) >= reach_cos(options.tilt_jitter_deg);
+    });
+  };
   std::vector<RenderedSample> samples;
   for (int i = 0; i < count; ++i) {
     const double z = 1 - (2.0 * order[i] + 1) / count;
@@ -146,6 +158,7 @@ std::vector<RenderedSample> make_sample_pool(const Mesh& centred_mesh, const Tra
     if (z < std::cos(tilt_limit) - 1e-12) continue;
     RenderedSample s;
     s.direction_obj = Vec3(r * std::cos(turn), r * std::sin(turn), z);
+    if (!taken(s.direction_obj)) continue;
     const Mat3 front =
         (Mat3() << 1, 0, 0, 0, -1, 0, 0, 0, -1).finished();  // camera above +z, looking down
     s.R_view_obj = front * rotation_between(s.direction_obj, Vec3::UnitZ());
@@ -177,7 +190,7 @@ std::vector<AlignedSample> samples_near(const TreeViewpoint& view,
                                         double tilt_jitter_deg) {
   std::vector<AlignedSample> near;
   const double jitter = tilt_jitter_deg * kDegree;
-  const double cos_limit = std::cos(std::min(jitter * 1.5, std::numbers::pi));
+  const double cos_limit = reach_cos(tilt_jitter_deg);
   for (int i = 0; i < static_cast<int>(pool.size()); ++i) {
     const RenderedSample& s = pool[i];
     const double c = view.direction_obj.dot(s.direction_obj);

@@ -56,10 +56,12 @@ void extract_features(const RenderedView& view, const CameraIntrinsics& camera,
 // lists of a viewpoint's samples have to stay in the cache while all its rolls are made.
 inline constexpr int kPooledSurfaceStride = 4;
 
-// Renders `count` viewpoints; those farther than the tilt limit allows are left out.
+// Renders viewpoints, `count` over the whole sphere; those that no leaf of the tree takes are left
+// out.
 std::vector<RenderedSample> make_sample_pool(const Mesh& centred_mesh, const TrainOptions& options,
-                                             const TemplateCamera& camera, int count,
-                                             WorkerPool& pool, const TrainProgress& progress);
+                                             const PoseTree& tree, const TemplateCamera& camera,
+                                             int count, WorkerPool& pool,
+                                             const TrainProgress& progress);
 
 // Renderings that fall into the tilt jitter of a viewpoint, each with the turn that carries it into
 // that viewpoint's frame: image of the sample, rotated by `turn_rad`, is the image at roll 0.

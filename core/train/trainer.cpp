@@ -97,14 +97,18 @@ std::vector<std::uint8_t> train_model(const ImportedMesh& part, const TrainOptio
   const MeshBounds bounds = mesh_bounds(part.mesh);
   const Mesh mesh = centred(part.mesh, (bounds.min_mm + bounds.max_mm) / 2);
   const TemplateCamera camera = make_template_camera(options, bounds);
-  const PoseTree tree = make_pose_tree(options);
+  const FoundSymmetry symmetry = find_symmetry(
+      mesh, bounds.diameter_mm,
+      symmetry_tolerance(bounds.diameter_mm, std::sqrt(options.camera.fx * options.camera.fy),
+                         camera.reference_distance_mm));
+  const PoseTree tree = make_pose_tree(options, symmetry);
   const std::vector<RenderedSample> samples = make_sample_pool(
-      mesh, options, camera, sample_pool_size(options), pool, share_of(progress, 0, 0.25));
+      mesh, options, tree, camera, sample_pool_size(options), pool, share_of(progress, 0, 0.25));
   const std::vector<ViewSamples> views = make_view_samples(mesh, tree, camera, pool);
   const TemplateSet templates =
       build_templates(tree, samples, camera, options, pool, share_of(progress, 0.3, 1));
   if (progress) progress(1);
-  return write_model(make_info(part, bounds, options, camera), tree, templates, views);
+  return write_model(make_info(part, bounds, options, camera), tree, templates, views, symmetry);
 }
 
 }  // namespace binpick::train

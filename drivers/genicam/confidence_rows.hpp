@@ -16,7 +16,7 @@ class ConfidenceRows {
 
  private:
   const PayloadPart* part_;
-  unsigned least_ = 0;
+  int least_ = 0;
 };
 
 }  // namespace binpick::drivers

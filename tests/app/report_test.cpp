@@ -64,6 +64,9 @@ ReportContent content() {
   c.score.mean = mean_of(c.score.parts);
   c.lines = {run_line()};
   c.models = {{1, {500, 760}, false, 12.5, 3000000}};
+  c.reach = "<h2>What is reachable</h2>";
+  c.causes = "<h2>Every fault and its cause</h2>";
+  c.fault_pictures = {{"missed, search: scan", {4, 5, 6}}};
   c.pictures = {{"scene 1, image 0, obj 1: 2 right, 1 false pick, 1 missed", {1, 2, 3}}};
   return c;
 }
@@ -91,6 +94,9 @@ TEST(ReportPage, ShowsScoresCurvesLevelsAndPictures) {
   EXPECT_THAT(page, HasSubstr("123456"));
   EXPECT_THAT(page, HasSubstr("<td>812</td>"));
   EXPECT_THAT(page, HasSubstr("1 false pick, 1 missed"));
+  EXPECT_THAT(page, HasSubstr("missed, search: scan"));
+  EXPECT_THAT(page, HasSubstr("<h2>What is reachable"));
+  EXPECT_THAT(page, HasSubstr("<h2>Every fault"));
   EXPECT_THAT(page, HasSubstr("500 – 760"));
   EXPECT_THAT(page, Not(HasSubstr("<h2>Faults")));
 }
@@ -247,12 +253,12 @@ TEST(DistanceRanges, EndWhereThePartCannotBeRecognised) {
 
 TEST(TrainingKey, ChangesWithEveryOptionAndTheMesh) {
   const train::TrainOptions base;
-  std::set<std::uint64_t> keys{training_key(1, base), training_key(2, base)};
+  std::set<std::uint64_t> keys{training_key(1, base, {}), training_key(2, base, {})};
   std::size_t changes = 2;
   const auto expect_new = [&](auto member, auto value) {
     train::TrainOptions options = base;
     options.*member = value;
-    keys.insert(training_key(1, options));
+    keys.insert(training_key(1, options, {}));
     EXPECT_EQ(keys.size(), ++changes);
   };
   using T = train::TrainOptions;
@@ -274,7 +280,10 @@ TEST(TrainingKey, ChangesWithEveryOptionAndTheMesh) {
   expect_new(&T::contour_features, 55);
   expect_new(&T::surface_features, 41);
   expect_new(&T::seed, std::uint64_t{2});
-  EXPECT_EQ(training_key(1, base), training_key(1, train::TrainOptions{}));
+  keys.insert(training_key(1, base, {.calibration_piles = 5}));
+  keys.insert(training_key(1, base, {.test_piles = 1}));
+  EXPECT_EQ(keys.size(), changes + 2);
+  EXPECT_EQ(training_key(1, base, {}), training_key(1, train::TrainOptions{}, {}));
 }
 
 TEST(ModelCache, KeepsModelsByObjectAndKey) {

@@ -69,10 +69,13 @@ TEST(Model, IsReadAsItWasWritten) {
 TEST(Model, DistancesAndRollsStandInTheMiddleOfTheirIntervals) {
   const Result<ObjectModel> result = ObjectModel::parse(good());
   ASSERT_TRUE(result.ok());
-  const ObjectModel& model = result.value();  // 460 to 600 mm in two steps
-  EXPECT_NEAR(495, model.distance_mm(1, 0), 1e-9);
-  EXPECT_NEAR(565, model.distance_mm(1, 1), 1e-9);
-  EXPECT_NEAR(530, model.distance_mm(0, 0), 1e-9);
+  const ObjectModel& model = result.value();  // 460 to 600 mm in two steps of the same ratio
+  const double middle_mm = std::sqrt(460.0 * 600);
+  EXPECT_NEAR(middle_mm, model.distance_mm(0, 0), 1e-9);
+  EXPECT_NEAR(std::sqrt(460 * middle_mm), model.distance_mm(1, 0), 1e-9);
+  EXPECT_NEAR(std::sqrt(middle_mm * 600), model.distance_mm(1, 1), 1e-9);
+  EXPECT_NEAR(140, model.distance_interval_mm(0, 0), 1e-9);
+  EXPECT_NEAR(600 - middle_mm, model.distance_interval_mm(1, 1), 1e-9);
   EXPECT_NEAR(model.roll_rad(0, 1), (model.roll_rad(1, 2) + model.roll_rad(1, 3)) / 2, 1e-12);
   const Mat3 R = model.rotation(1, 3, 5);
   EXPECT_LT((R * R.transpose() - Mat3::Identity()).cwiseAbs().maxCoeff(), 1e-5);
@@ -140,6 +143,8 @@ TEST(Model, HostileTablesAreRefused) {
         [](ModelHeader& h) -> ModelTable& { return h.features; },
         [](ModelHeader& h) -> ModelTable& { return h.surface; },
         [](ModelHeader& h) -> ModelTable& { return h.contour; },
+        [](ModelHeader& h) -> ModelTable& { return h.symmetry_turns; },
+        [](ModelHeader& h) -> ModelTable& { return h.symmetry_axes; },
         [](ModelHeader& h) -> ModelTable& { return h.depths[0].viewpoints; },
         [](ModelHeader& h) -> ModelTable& { return h.depths[0].templates; },
         [](ModelHeader& h) -> ModelTable& { return h.depths[1].viewpoints; },

@@ -31,7 +31,7 @@ Evidence good_evidence() {
 }
 
 double score_of(const Evidence& e) {
-  return probability(score_terms(e, 1.6), true);
+  return probability(score_terms(e, 1.6), true, ModelTrials{});
 }
 
 TEST(PoseScore, IsAProbability) {
@@ -79,10 +79,10 @@ TEST(PoseScore, DepthAloneIsEnough) {
   e.outline_matches = 0;
   e.outline_offset_px = 0;
   e.contours_supported = e.outline_steps;
-  EXPECT_GT(probability(score_terms(e, 1.6), false), 0.8);
+  EXPECT_GT(probability(score_terms(e, 1.6), false, ModelTrials{}), 0.8);
   e.outline_steps = 30;  // the outline lies where nothing ends
   e.contours_supported = 30;
-  EXPECT_LT(probability(score_terms(e, 1.6), false), 0.8);
+  EXPECT_LT(probability(score_terms(e, 1.6), false, ModelTrials{}), 0.8);
 }
 
 TEST(PoseScore, TermsHaveNames) {

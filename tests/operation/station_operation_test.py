@@ -234,7 +234,10 @@ class Operation(unittest.TestCase):
         picks = len(self.detect(station)["picks"])
         station.ask("detect recipe=77")
         self.wait_for_lines(station, 2)
+        end = time.monotonic() + 10  # the line is there a moment before it is counted
         after = self.metrics(station)
+        while after["binpick_recorder_written_total"] < 2 and time.monotonic() < end:
+            after = self.metrics(station)
         self.assertEqual(after['binpick_answers_total{cause="done"}'], 1)
         self.assertEqual(after['binpick_answers_total{cause="recipe_unknown"}'], 1)
         self.assertEqual(after['binpick_cycle_seconds_count{stage="detect"}'], 1)

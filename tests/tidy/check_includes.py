@@ -6,6 +6,7 @@ core/train/  core, the whole C++ library, POSIX, assimp, OSMesa
 drivers/     of core only base, frame and geometry; image and JSON libraries; never app;
              Aravis in drivers/aravis/, libusb in drivers/usb/, Highway in drivers/genicam/
 app/         public headers of core and drivers, its own private ones; neither assimp nor OSMesa;
+app/simulation/ of these alone uses Bullet;
 app/modbus/  of all these only base, geometry, clock and set-up errors
 tests/, tools/ everything
 
@@ -22,6 +23,7 @@ LIBRARIES = {  # first part of the path -> library
     "opencv2": "OpenCV", "nlohmann": "nlohmann", "CLI": "CLI11", "gtest": "GoogleTest",
     "gmock": "GoogleTest", "arv.h": "Aravis", "libusb.h": "libusb", "toml++": "tomlplusplus",
     "modbus.h": "libmodbus", "zlib.h": "zlib",
+    "btBulletDynamicsCommon.h": "Bullet", "LinearMath": "Bullet",
 }
 POSIX = ("sys", "unistd.h", "fcntl.h", "pthread.h", "signal.h", "poll.h", "dirent.h", "errno.h",
          "time.h", "sched.h", "dlfcn.h", "arpa", "netinet", "spawn.h", "stdio.h", "stdlib.h",
@@ -40,7 +42,7 @@ ALLOWED_LIBRARIES = {
     "train": {"std", "POSIX", "Eigen", "assimp", "OSMesa"},
     "drivers": {"std", "POSIX", "Eigen", "Highway", "OpenCV", "nlohmann", "Aravis", "libusb"},
     "app": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "CLI11", "tomlplusplus", "libmodbus",
-            "zlib"},
+            "zlib", "Bullet"},
 }
 ALLOWED_AREAS = {
     "core": {"core"},
@@ -51,10 +53,12 @@ ALLOWED_AREAS = {
 SHARED_BY_DRIVERS = "genicam"  # payloads and formats: no device library
 # Libraries that belong into some folders only.
 LIBRARY_FOLDERS = {"Aravis": ("drivers/aravis/",), "libusb": ("drivers/usb/",),
-                   "Highway": ("core/", "drivers/genicam/")}
+                   "Highway": ("core/", "drivers/genicam/"), "Bullet": ("app/simulation/",)}
 # Made in the build folder: (area, path as it is included).
 GENERATED = {("app", "modbus/register_map.hpp")}
 # The Modbus side knows registers, poses and sockets: nothing of detection, sensors and the rest.
+SIMULATION_SEES = ("app/simulation/", "core/include/binpick/base/",
+                   "core/include/binpick/geometry/")
 MODBUS_SEES = ("app/modbus/", "app/clock.hpp", "app/setup_error.hpp", "core/include/binpick/base/",
                "core/include/binpick/geometry/")
 DRIVERS_SEE_OF_CORE = {"base", "frame", "geometry"}
@@ -110,6 +114,8 @@ def fault_of_ours(relative, area, header):
     public = header.startswith(PUBLIC_ROOTS)
     if relative.startswith("app/modbus/") and not header.startswith(MODBUS_SEES):
         return "the Modbus side knows neither detection nor sensors"
+    if relative.startswith("app/simulation/") and not header.startswith(SIMULATION_SEES):
+        return "the simulation knows neither detection nor training"
     if not public and area in ("drivers", "app") and other != area:
         return f"a private header of {other}"
     if area == "drivers" and other == "core" and core_folder_of(header) not in DRIVERS_SEE_OF_CORE:

@@ -39,7 +39,7 @@ Toy make_toy(int depths, double tilt_max_deg, double focal_px) {
   for (auto& v : mesh.vertices_mm) v -= centre.cast<float>();
   toy.camera = make_template_camera(o, bounds);
   SerialPool pool;
-  toy.samples = make_sample_pool(mesh, o, toy.camera, 2000, pool, {});
+  toy.samples = make_sample_pool(mesh, o, toy.tree, toy.camera, 2000, pool, {});
   return toy;
 }
 

@@ -57,7 +57,7 @@ TEST(PoseTree, HalvesTheDistancesUpwards) {
     int counts[4];
   };
   for (const Case& c : {Case{500, 700, 70, {1, 1, 2, 3}}, Case{500, 1060, 70, {1, 2, 4, 8}},
-                        Case{500, 1061, 70, {2, 3, 5, 9}}, Case{600, 600, 70, {1, 1, 1, 1}}}) {
+                        Case{500, 1120, 70, {2, 3, 5, 9}}, Case{600, 600, 70, {1, 1, 1, 1}}}) {
     options.distance_min_mm = c.min_mm;
     options.distance_max_mm = c.max_mm;
     options.distance_interval_mm = c.interval_mm;
@@ -65,7 +65,8 @@ TEST(PoseTree, HalvesTheDistancesUpwards) {
     for (std::size_t d = 0; d < 4; ++d) {
       EXPECT_EQ(tree.depths[d].distance_count, c.counts[d]) << c.max_mm << " mm, depth " << d;
     }
-    EXPECT_LE((c.max_mm - c.min_mm) / tree.leaves().distance_count, c.interval_mm);
+    const double step = std::pow(c.max_mm / c.min_mm, 1.0 / tree.leaves().distance_count);
+    EXPECT_LE((step - 1) * std::sqrt(c.min_mm * c.max_mm), 1.1 * c.interval_mm);
   }
 }
 

@@ -131,7 +131,7 @@ TEST(SharedSamples, GiveTheTemplatesOfBruteForceRendering) {
   const PoseTree tree = make_pose_tree(options);
   SerialPool pool;
   const std::vector<RenderedSample> samples =
-      make_sample_pool(mesh, options, camera, sample_pool_size(options), pool, {});
+      make_sample_pool(mesh, options, tree, camera, sample_pool_size(options), pool, {});
   const int rolls = tree.leaves().roll_count;
   LeafAccumulator accumulator(samples, camera, options, make_roll_blocks(options, rolls));
   Renderer renderer(mesh, camera.intrinsics.width, camera.intrinsics.height);

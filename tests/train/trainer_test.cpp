@@ -177,13 +177,15 @@ TEST(Trainer, WritesWhatItWasTrainedFor) {
       }
     }
   }
-  // Any distance of the range has a leaf within half an interval.
+  // Any distance of the range has a leaf within half its interval.
   const int leaves = model.depth(1).distance_count;
   for (double mm = 500; mm <= 700; mm += 0.5) {
     double nearest = 1e9;
-    for (int k = 0; k < leaves; ++k)
-      nearest = std::min(nearest, std::abs(model.distance_mm(1, k) - mm));
-    EXPECT_LE(nearest, options.distance_interval_mm / 2);
+    for (int k = 0; k < leaves; ++k) {
+      const double off_mm = std::abs(model.distance_mm(1, k) - mm);
+      nearest = std::min(nearest, off_mm / model.distance_interval_mm(1, k));
+    }
+    EXPECT_LE(nearest, 0.55);
   }
 }
 
@@ -367,9 +369,9 @@ TEST(SamplePool, SurroundsEveryLeafViewpointWithItsWholeTiltJitter) {
       TemplateCamera camera = make_template_camera(options, mesh_bounds(mesh));
       camera.intrinsics.width = camera.intrinsics.height = 8;  // what is seen does not matter here
       SerialPool pool;
-      const auto samples =
-          make_sample_pool(mesh, options, camera, sample_pool_size(options), pool, {});
       const PoseTree tree = make_pose_tree(options);
+      const auto samples =
+          make_sample_pool(mesh, options, tree, camera, sample_pool_size(options), pool, {});
       std::size_t fewest = samples.size();
       double off_most = 0;
       for (const TreeViewpoint& view : tree.leaves().viewpoints) {

@@ -8,7 +8,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
-namespace binpick::sample {
+#include "mesh_files.hpp"
+
+namespace binpick::simulation {
 namespace {
 
 namespace fs = std::filesystem;
@@ -160,4 +162,4 @@ void SceneWriter::finish() const {
   write_text(folder_ / "scene_gt_info.json", as_object(info_lines_));
 }
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "frame_maker.hpp"
+#include "simulation/frame_maker.hpp"
 
-namespace binpick::sample {
+namespace binpick::simulation {
 
 // camera.json, the meshes and models_info.json.
 void write_models(const std::filesystem::path& root, const std::vector<Part>& parts,
@@ -24,4 +24,4 @@ class SceneWriter {
   std::vector<std::string> camera_lines_, gt_lines_, info_lines_;
 };
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

@@ -7,10 +7,12 @@
 #include <numeric>
 
 #include "bop_writer.hpp"
+#include "mesh_files.hpp"
+#include "parts.hpp"
 
 namespace {
 
-using namespace binpick::sample;
+using namespace binpick::simulation;
 
 struct Options {
   std::string out;

@@ -1,3 +1,5 @@
+#include "mesh_files.hpp"
+
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -9,11 +11,9 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "triangle_mesh.hpp"
-
 static_assert(std::endian::native == std::endian::little, "mesh files are written as they lie");
 
-namespace binpick::sample {
+namespace binpick::simulation {
 namespace {
 
 std::ofstream open_for_writing(const std::string& path) {
@@ -89,4 +89,4 @@ void write_stl(const TriangleMesh& mesh, const std::string& path) {
   }
 }
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

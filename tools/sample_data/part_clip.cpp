@@ -4,7 +4,7 @@
 #include "parts.hpp"
 #include "solid_builder.hpp"
 
-namespace binpick::sample {
+namespace binpick::simulation {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -98,4 +98,4 @@ TriangleMesh make_clip() {
   return solid.finish();
 }
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

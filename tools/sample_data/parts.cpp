@@ -8,7 +8,9 @@
 #include <set>
 #include <stdexcept>
 
-namespace binpick::sample {
+#include "mesh_files.hpp"
+
+namespace binpick::simulation {
 namespace {
 
 namespace fs = std::filesystem;
@@ -80,4 +82,4 @@ std::vector<Part> read_parts(const std::vector<std::string>& paths) {
   return parts;
 }
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

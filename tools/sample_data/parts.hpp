@@ -5,23 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "binpick/geometry/pose.hpp"
-#include "triangle_mesh.hpp"
+#include "simulation/part.hpp"
 
-namespace binpick::sample {
-
-// What a surface looks like; bench and bin are finishes too.
-enum class Finish { kCastBrass, kGalvanised, kMachined, kPlastic, kBench, kBin };
-
-struct Part {
-  int obj_id = 0;
-  std::string name;
-  TriangleMesh mesh;             // mm
-  std::vector<Pose> symmetries;  // without the identity
-  // Symmetry about an axis through the origin, as in models_info.json; empty when there is none.
-  std::vector<Vec3> symmetry_axes;
-  Finish finish = Finish::kMachined;
-};
+namespace binpick::simulation {
 
 TriangleMesh make_tee();   // reducing tee of a pipe system, hexagon on the branch
 TriangleMesh make_clip();  // L clip of 2 mm sheet with round holes and a slot
@@ -33,4 +19,4 @@ std::vector<Part> make_own_parts();
 // symmetries come from a models_info.json beside the file when it lists the id.
 std::vector<Part> read_parts(const std::vector<std::string>& paths);
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
-namespace binpick::sample {
+namespace binpick::simulation {
 namespace {
 
 using Eigen::Vector2d;
@@ -157,4 +157,4 @@ Loop slot(const Vector2d& centre, double length, double radius, int points) {
   return loop;
 }
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

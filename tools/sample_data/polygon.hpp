@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-namespace binpick::sample {
+namespace binpick::simulation {
 
 using Loop = std::vector<Eigen::Vector2d>;  // closed, first point not repeated
 
@@ -25,4 +25,4 @@ Loop hexagon(const Eigen::Vector2d& centre, double across_flats, int points);
 // A slot along x: two half circles whose centres are length apart.
 Loop slot(const Eigen::Vector2d& centre, double length, double radius, int points);
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

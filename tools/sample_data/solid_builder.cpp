@@ -1,6 +1,6 @@
 #include "solid_builder.hpp"
 
-namespace binpick::sample {
+namespace binpick::simulation {
 
 void SolidBuilder::add_quad(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                             const Eigen::Vector3d& c, const Eigen::Vector3d& d) {
@@ -49,4 +49,4 @@ Ring at_height(const Loop& loop, double z) {
   return ring;
 }
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "polygon.hpp"
-#include "triangle_mesh.hpp"
+#include "simulation/triangle_mesh.hpp"
 
-namespace binpick::sample {
+namespace binpick::simulation {
 
 using Ring = std::vector<Eigen::Vector3d>;
 
@@ -33,4 +33,4 @@ class SolidBuilder {
 
 Ring at_height(const Loop& loop, double z);
 
-}  // namespace binpick::sample
+}  // namespace binpick::simulation

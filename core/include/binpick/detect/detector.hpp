@@ -20,6 +20,8 @@
 
 namespace binpick {
 
+class StageObserver;
+
 // The largest problem a detector is built for; memory is sized by this.
 struct DetectorLimits {
   int image_width = 1280, image_height = 1024;
@@ -36,11 +38,13 @@ struct DetectRequest {
   // Which of the detector's models to look for; empty: all.
   std::span<const int> model_indices;
   int max_results = 64;
-  double min_score = 0.5;  // probability that the pose is right
+  double min_score = 0.85;  // probability that the pose is right
   // On the detector's clock: what is verified by then is answered, and the report says cut_short.
   // Late by at most one distance of the scan or a few poses. 0: no deadline. Where it is not
   // reached the answer is the same as without one.
   std::int64_t deadline_ns = 0;
+  // Looks on between the stages (diagnosis.hpp); none in the cycle of a station.
+  StageObserver* observer = nullptr;
 };
 
 class Detector {

@@ -10,7 +10,9 @@
 
 #include "binpick/base/result.hpp"
 #include "binpick/geometry/camera_model.hpp"
+#include "binpick/model/model_trials.hpp"
 #include "binpick/model/normal_codebook.hpp"
+#include "binpick/model/part_symmetry.hpp"
 
 namespace binpick {
 
@@ -101,6 +103,7 @@ class ObjectModel {
   static Result<ObjectModel> parse(std::span<const std::uint8_t> bytes);
 
   const ModelInfo& info() const { return *info_; }
+  const ModelTrials& trials() const { return *trials_; }
   int depth_count() const { return info_->depth_count; }
   const TreeDepth& depth(int d) const { return depths_[d]; }
   std::span<const Feature> features(const TemplateRange& t) const {
@@ -113,22 +116,41 @@ class ObjectModel {
     return contour_.subspan(v.contour_first, v.contour_count);
   }
 
+  // Of the part's shape, in the coordinates of its samples.
+  const PartSymmetry& symmetry() const { return symmetry_; }
+
   // Rotation of (viewpoint, roll) at depth d: object axes to camera axes, on the optical axis.
   Mat3 rotation(int d, int viewpoint, int roll) const;
   double roll_rad(int d, int roll) const;
-  double distance_mm(int d, int distance_index) const;
+  // From the camera to the object's origin, at the middle of what a node stands for, and how much
+  // that is.
+  double distance_mm(int d, int distance_index) const {
+    return distances_[d][distance_index].middle_mm;
+  }
+  double distance_interval_mm(int d, int distance_index) const {
+    return distances_[d][distance_index].interval_mm;
+  }
   std::size_t bytes_total() const { return bytes_total_; }
 
  private:
   ObjectModel() = default;
   Error read_depth(std::span<const std::uint8_t> bytes, const ModelHeader& header, int d);
+  Error read_symmetry(std::span<const std::uint8_t> bytes, const ModelHeader& header);
   Error check_viewpoints(int d) const;
+  void place_distances();
+
+  struct DistanceNode {
+    double middle_mm = 0, interval_mm = 0;
+  };
 
   const ModelInfo* info_ = nullptr;
+  const ModelTrials* trials_ = nullptr;
   TreeDepth depths_[kModelDepthsMax];
+  DistanceNode distances_[kModelDepthsMax][kModelDistancesMax];
   std::span<const Feature> features_;
   std::span<const SurfaceSample> surface_;
   std::span<const ContourSample> contour_;
+  PartSymmetry symmetry_;
   std::size_t bytes_total_ = 0;
 };
 

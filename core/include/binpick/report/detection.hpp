@@ -6,6 +6,7 @@
 #include <span>
 
 #include "binpick/geometry/pose.hpp"
+#include "binpick/report/pose_uncertainty.hpp"
 
 namespace binpick {
 
@@ -39,6 +40,7 @@ struct Detection {
   double template_score = 0;     // sum of the two modalities' scores at the matched leaf, in [0, 2]
   int template_index = -1;       // the matched leaf of the pose tree
   ScoreTerms score_terms{};
+  PoseUncertainty uncertainty;
 };
 
 // Why a candidate did not become a detection.

@@ -12,6 +12,7 @@
 
 #include "binpick/base/worker_pool.hpp"
 #include "binpick/geometry/camera_model.hpp"
+#include "binpick/model/model_trials.hpp"
 #include "binpick/model/normal_codebook.hpp"
 #include "binpick/train/mesh.hpp"
 
@@ -31,9 +32,11 @@ struct TrainOptions {
   double roll_jitter_deg = 7.5;    // +- around the optical axis
   double distance_jitter_mm = 90;  // +-
   // Balanced pose tree (section III-B)
-  double roll_interval_deg = 6;      // at the leaves; rounded so that it halves evenly to the roots
-  double distance_interval_mm = 70;  // at the leaves; wider where 64 steps do not span the range
-  int tree_depths = 4;               // 12, 42, 162, 642 viewpoints
+  double roll_interval_deg = 6;  // at the leaves; rounded so that it halves evenly to the roots
+  // At the leaves, in the (geometric) middle of the range; in proportion to the distance elsewhere,
+  // and wider where 64 steps do not span the range.
+  double distance_interval_mm = 70;
+  int tree_depths = 4;  // 12, 42, 162, 642 viewpoints
   // Ours
   NormalCodebook normal_codebook = NormalCodebook::kHemisphere;
   int contour_features = 56;  // pixels of a template with a gradient orientation, at most
@@ -48,5 +51,8 @@ using TrainProgress = std::function<void(double)>;
 // camera) or RenderError.
 std::vector<std::uint8_t> train_model(const ImportedMesh& part, const TrainOptions& options,
                                       WorkerPool& pool, const TrainProgress& progress);
+
+// Puts into the bytes of a model what trying it on simulated piles told.
+void set_trials(std::vector<std::uint8_t>& model, const ModelTrials& trials);
 
 }  // namespace binpick::train

@@ -1,0 +1,151 @@
+#include "cli/symmetry_summary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+namespace binpick::app {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+Vec3 vector_of(const float* v) {
+  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+}
+
+Vec3 in_cad(const ObjectModel& model, const float* point_mm) {
+  Vec3 out = vector_of(point_mm);
+  for (int i = 0; i < 3; ++i)
+    out[i] += (model.info().bounds_min_mm[i] + model.info().bounds_max_mm[i]) / 2;
+  return out;
+}
+
+std::string line_text(const Vec3& axis, const Vec3& point_mm) {
+  char text[120];
+  // Adding zero turns a negative zero into the other one.
+  std::snprintf(
+      text, sizeof text, "(%.3g %.3g %.3g) through (%.2f %.2f %.2f) mm",
+      std::round(axis.x() * 1000) / 1000 + 0.0, std::round(axis.y() * 1000) / 1000 + 0.0,
+      std::round(axis.z() * 1000) / 1000 + 0.0, std::round(point_mm.x() * 100) / 100 + 0.0,
+      std::round(point_mm.y() * 100) / 100 + 0.0, std::round(point_mm.z() * 100) / 100 + 0.0);
+  return text;
+}
+
+std::string difference_text(float share, float deviation_mm) {
+  char text[80];
+  std::snprintf(text, sizeof text, ": differs in %.1f %% of the surface, by up to %.1f mm",
+                100 * static_cast<double>(share), static_cast<double>(deviation_mm));
+  return text;
+}
+
+nlohmann::ordered_json to_json(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+// Row-major 4x4, CAD to CAD, as in models_info.json.
+nlohmann::ordered_json matrix_json(const ObjectModel& model, const SymmetryTurn& turn) {
+  const Pose move = move_of(turn);
+  const float zero[3] = {};
+  const Vec3 centre = in_cad(model, zero);
+  const Vec3 t = move.t_mm + centre - move.R * centre;
+  auto json = nlohmann::ordered_json::array();
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) json.push_back(move.R(r, c));
+    json.push_back(t[r]);
+  }
+  for (const double v : {0.0, 0.0, 0.0, 1.0}) json.push_back(v);
+  return json;
+}
+
+nlohmann::ordered_json axis_json(const ObjectModel& model, const SymmetryAxis& a) {
+  return {{"axis", to_json(vector_of(a.axis))}, {"offset", to_json(in_cad(model, a.point_mm))}};
+}
+
+}  // namespace
+
+std::vector<FoldAxis> fold_axes(const ObjectModel& model) {
+  std::vector<FoldAxis> axes;
+  for (const SymmetryTurn& t : model.symmetry().exact_turns) {
+    const Vec3 axis = vector_of(t.axis);
+    const int fold = static_cast<int>(
+        std::lround(2 * std::numbers::pi / std::abs(static_cast<double>(t.angle_rad))));
+    const auto known = std::find_if(axes.begin(), axes.end(), [&](const FoldAxis& a) {
+      return std::abs(a.axis.dot(axis)) > std::cos(1 * kDegree);
+    });
+    if (known == axes.end()) {
+      axes.push_back({axis, in_cad(model, t.point_mm), fold});
+    } else {
+      known->fold = std::max(known->fold, fold);
+    }
+  }
+  std::stable_sort(axes.begin(), axes.end(),
+                   [](const FoldAxis& a, const FoldAxis& b) { return a.fold > b.fold; });
+  return axes;
+}
+
+std::vector<std::string> symmetry_lines(const ObjectModel& model) {
+  const PartSymmetry& symmetry = model.symmetry();
+  std::vector<std::string> lines;
+  const auto add_axis = [&](const std::string& what, const float* axis, const float* point_mm,
+                            const std::string& difference) {
+    lines.push_back(what + line_text(vector_of(axis), in_cad(model, point_mm)) + difference);
+  };
+  for (const SymmetryAxis& a : symmetry.exact_axes)
+    add_axis("continuous about ", a.axis, a.point_mm, "");
+  for (const FoldAxis& f : fold_axes(model))
+    lines.push_back(std::to_string(f.fold) + "-fold about " + line_text(f.axis, f.point_mm));
+  for (const SymmetryAxis& a : symmetry.near_axes) {
+    add_axis("near-symmetric: turned by any angle about ", a.axis, a.point_mm,
+             difference_text(a.differing_share, a.deviation_mm));
+  }
+  for (const SymmetryTurn& t : symmetry.near_turns) {
+    char what[80], shift[60] = "";
+    std::snprintf(what, sizeof what, "near-symmetric: turned by %.0f deg about ",
+                  static_cast<double>(t.angle_rad) / kDegree);
+    if (std::abs(t.shift_mm) >= 0.05f) {
+      std::snprintf(shift, sizeof shift, ", shifted along it by %.1f mm",
+                    static_cast<double>(t.shift_mm));
+    }
+    add_axis(what, t.axis, t.point_mm, shift + difference_text(t.differing_share, t.deviation_mm));
+  }
+  if (lines.empty()) lines.emplace_back("none");
+  return lines;
+}
+
+nlohmann::ordered_json symmetry_json(const ObjectModel& model) {
+  const PartSymmetry& symmetry = model.symmetry();
+  nlohmann::ordered_json json = {{"symmetries_discrete", nlohmann::ordered_json::array()},
+                                 {"symmetries_continuous", nlohmann::ordered_json::array()},
+                                 {"folds", nlohmann::ordered_json::array()},
+                                 {"near", nlohmann::ordered_json::array()}};
+  for (const SymmetryTurn& t : symmetry.exact_turns)
+    json["symmetries_discrete"].push_back(matrix_json(model, t));
+  for (const SymmetryAxis& a : symmetry.exact_axes)
+    json["symmetries_continuous"].push_back(axis_json(model, a));
+  for (const FoldAxis& f : fold_axes(model)) {
+    json["folds"].push_back(
+        {{"axis", to_json(f.axis)}, {"offset", to_json(f.point_mm)}, {"fold", f.fold}});
+  }
+  const auto add_near = [&](nlohmann::ordered_json row, float share, float deviation_mm) {
+    row["differing_share"] = share;
+    row["deviation_mm"] = deviation_mm;
+    json["near"].push_back(std::move(row));
+  };
+  for (const SymmetryAxis& a : symmetry.near_axes) {
+    nlohmann::ordered_json row = axis_json(model, a);
+    row["angle_deg"] = nullptr;  // any
+    add_near(std::move(row), a.differing_share, a.deviation_mm);
+  }
+  for (const SymmetryTurn& t : symmetry.near_turns) {
+    add_near({{"axis", to_json(vector_of(t.axis))},
+              {"offset", to_json(in_cad(model, t.point_mm))},
+              {"angle_deg", static_cast<double>(t.angle_rad) / kDegree},
+              {"shift_mm", t.shift_mm},
+              {"matrix", matrix_json(model, t)}},
+             t.differing_share, t.deviation_mm);
+  }
+  return json;
+}
+
+}  // namespace binpick::app

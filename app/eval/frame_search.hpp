@@ -1,0 +1,34 @@
+// Visits the frames of a camera group, each with a detector made for its size.
+#pragma once
+
+#include <functional>
+
+#include "binpick/detect/detector.hpp"
+#include "eval/eval_plan.hpp"
+#include "eval/model_set.hpp"
+
+namespace binpick::app {
+
+struct SearchSettings {
+  DetectorParams params;
+  int max_results = 64;
+  double min_score = 0.01;  // low on purpose: the score's threshold is chosen afterwards
+};
+
+// One frame in memory, and what is wanted of it.
+struct FrameVisit {
+  const WantedFrame& wanted;
+  drivers::LoadedFrame& frame;
+  Detector& detector;
+  const DetectRequest& request;
+};
+
+// A frame that cannot be read, or of whose objects there is no model, is a fault, noted and handed
+// to `fault`; an error that `visit` returns is another.
+void visit_frames(const drivers::BopDataset& dataset, const EvalPlan& plan,
+                  const CameraGroup& group, const ModelSet& models, const SearchSettings& settings,
+                  WorkerPool& pool, const EvalTalk& talk, const std::string& doing,
+                  std::vector<std::string>& faults,
+                  const std::function<Result<int>(const FrameVisit&)>& visit);
+
+}  // namespace binpick::app

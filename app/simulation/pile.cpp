@@ -1,0 +1,224 @@
+#include "simulation/pile.hpp"
+
+#include <btBulletDynamicsCommon.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace binpick::simulation {
+namespace {
+
+// Bullet's tolerances suit bodies of about one unit, so a unit is a tenth of a metre.
+constexpr double kMmPerUnit = 100;
+constexpr double kGravity = 98.1;
+constexpr double kStepSeconds = 1.0 / 480;
+// Parts are slowed to this, in units per second: no more than 0.8 mm in a step, so that thin sheet
+// does not pass through sheet.
+constexpr double kSpeedMax = 4;
+constexpr double kMarginMm = 0.15;
+
+btVector3 to_bullet(const Vec3& p_mm) {
+  const Vec3 p = p_mm / kMmPerUnit;
+  return {static_cast<btScalar>(p.x()), static_cast<btScalar>(p.y()), static_cast<btScalar>(p.z())};
+}
+
+Vec3 from_bullet(const btVector3& p) {
+  return Vec3(p.x(), p.y(), p.z()) * kMmPerUnit;
+}
+
+// A uniformly random rotation, from a random point on the sphere of quaternions.
+btQuaternion random_rotation(Rng& rng) {
+  const double x = rng.normal();
+  const double y = rng.normal();
+  const double z = rng.normal();
+  const double w = rng.normal();
+  btQuaternion q(static_cast<btScalar>(x), static_cast<btScalar>(y), static_cast<btScalar>(z),
+                 static_cast<btScalar>(w));
+  return q.normalized();
+}
+
+// A part's collision shape about its centre of mass, as Bullet wants it.
+struct BodyShape {
+  std::vector<std::unique_ptr<btConvexHullShape>> hulls;
+  std::unique_ptr<btCompoundShape> compound;
+  Vec3 centre_mm = Vec3::Zero();
+  btVector3 inertia{0, 0, 0};
+  btScalar mass = 1;
+};
+
+BodyShape make_body_shape(const CollisionShape& shape) {
+  BodyShape body;
+  double volume = 0;
+  for (const auto& piece : shape.pieces) {
+    Vec3 mean = Vec3::Zero();
+    for (const auto& p : piece) mean += p;
+    mean /= static_cast<double>(piece.size());
+    const double piece_volume = hull_volume(piece);
+    volume += piece_volume;
+    body.centre_mm += piece_volume * mean;
+  }
+  body.centre_mm /= std::max(volume, 1e-9);
+  body.compound = std::make_unique<btCompoundShape>();
+  for (const auto& piece : shape.pieces) {
+    auto hull = std::make_unique<btConvexHullShape>();
+    for (const auto& p : piece) hull->addPoint(to_bullet(p - body.centre_mm), false);
+    hull->recalcLocalAabb();
+    hull->setMargin(static_cast<btScalar>(kMarginMm / kMmPerUnit));
+    body.compound->addChildShape(btTransform::getIdentity(), hull.get());
+    body.hulls.push_back(std::move(hull));
+  }
+  body.mass = static_cast<btScalar>(std::clamp(volume / 5000, 0.3, 10.0));
+  body.compound->calculateLocalInertia(body.mass, body.inertia);
+  return body;
+}
+
+class World {
+ public:
+  World()
+      : dispatcher_(&configuration_),
+        world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
+    world_.setGravity({0, 0, static_cast<btScalar>(-kGravity)});
+    btContactSolverInfo& info = world_.getSolverInfo();
+    info.m_numIterations = 30;
+    info.m_splitImpulse = 1;
+    info.m_splitImpulsePenetrationThreshold = static_cast<btScalar>(-0.002);
+    info.m_erp2 = static_cast<btScalar>(0.4);
+  }
+  ~World() {
+    for (auto& body : bodies_) world_.removeRigidBody(body.get());
+  }
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  // A fixed box between two corners.
+  btRigidBody* add_box(const Vec3& min_mm, const Vec3& max_mm) {
+    boxes_.push_back(std::make_unique<btBoxShape>(to_bullet((max_mm - min_mm) / 2)));
+    btTransform at = btTransform::getIdentity();
+    at.setOrigin(to_bullet((min_mm + max_mm) / 2));
+    return add_body(0, boxes_.back().get(), {0, 0, 0}, at);
+  }
+
+  btRigidBody* add_part(const BodyShape& shape, const btTransform& at) {
+    btRigidBody* body = add_body(shape.mass, shape.compound.get(), shape.inertia, at);
+    body->setDamping(static_cast<btScalar>(0.1), static_cast<btScalar>(0.25));
+    body->setActivationState(DISABLE_DEACTIVATION);
+    return body;
+  }
+
+  void remove(btRigidBody* body) {
+    world_.removeRigidBody(body);
+    std::erase_if(bodies_, [body](const auto& b) { return b.get() == body; });
+  }
+
+  void run(double seconds) {
+    for (double t = 0; t < seconds; t += kStepSeconds) {
+      world_.stepSimulation(static_cast<btScalar>(kStepSeconds), 0);
+      for (auto& body : bodies_) {
+        const btScalar speed = body->getLinearVelocity().length();
+        if (speed > static_cast<btScalar>(kSpeedMax)) {
+          body->setLinearVelocity(body->getLinearVelocity() *
+                                  (static_cast<btScalar>(kSpeedMax) / speed));
+        }
+      }
+    }
+  }
+
+ private:
+  btRigidBody* add_body(btScalar mass, btCollisionShape* shape, const btVector3& inertia,
+                        const btTransform& at) {
+    states_.push_back(std::make_unique<btDefaultMotionState>(at));
+    btRigidBody::btRigidBodyConstructionInfo info(mass, states_.back().get(), shape, inertia);
+    info.m_friction = static_cast<btScalar>(0.4);
+    info.m_rollingFriction = static_cast<btScalar>(0.001);
+    info.m_restitution = 0;
+    bodies_.push_back(std::make_unique<btRigidBody>(info));
+    world_.addRigidBody(bodies_.back().get());
+    return bodies_.back().get();
+  }
+
+  btDefaultCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_;
+  btDbvtBroadphase broadphase_;
+  btSequentialImpulseConstraintSolver solver_;
+  btDiscreteDynamicsWorld world_;
+  std::vector<std::unique_ptr<btBoxShape>> boxes_;
+  std::vector<std::unique_ptr<btDefaultMotionState>> states_;
+  std::vector<std::unique_ptr<btRigidBody>> bodies_;
+};
+
+// Floor and walls; returns the chute above the walls, which goes away when all parts have fallen.
+std::vector<btRigidBody*> add_bin(World& world, const BinSize& bin) {
+  constexpr double kDeep = 40;
+  constexpr double kChute = 2000;
+  const double x = bin.length / 2;
+  const double y = bin.width / 2;
+  world.add_box({-400, -400, -kDeep}, {400, 400, 0});
+  std::vector<btRigidBody*> chute;
+  for (double side : {-1.0, 1.0}) {
+    const auto wall = [&](const Vec3& a, const Vec3& b, double z0, double z1) {
+      Vec3 min = a.cwiseMin(b);
+      Vec3 max = a.cwiseMax(b);
+      min.z() = z0;
+      max.z() = z1;
+      return world.add_box(min, max);
+    };
+    const Vec3 x0(side * x, -y - kDeep, 0);
+    const Vec3 y0(-x - kDeep, side * y, 0);
+    wall(x0, Vec3(side * (x + bin.wall), y + kDeep, 0), -kDeep, bin.height);
+    wall(y0, Vec3(x + kDeep, side * (y + bin.wall), 0), -kDeep, bin.height);
+    chute.push_back(wall(x0, Vec3(side * (x + kDeep), y + kDeep, 0), bin.height, kChute));
+    chute.push_back(wall(y0, Vec3(x + kDeep, side * (y + kDeep), 0), bin.height, kChute));
+  }
+  return chute;
+}
+
+}  // namespace
+
+std::vector<PlacedPart> make_pile(const std::vector<CollisionShape>& shapes,
+                                  const std::vector<std::size_t>& kinds, const BinSize& bin,
+                                  Rng rng) {
+  std::vector<BodyShape> body_shapes;
+  for (const auto& shape : shapes) body_shapes.push_back(make_body_shape(shape));
+  World world;
+  const std::vector<btRigidBody*> chute = add_bin(world, bin);
+  std::vector<btRigidBody*> parts;
+  double top_mm = 0;
+  for (std::size_t kind : kinds) {
+    const double radius = shapes[kind].radius_mm;
+    const double free_x = std::max(0.0, bin.length / 2 - radius);
+    const double free_y = std::max(0.0, bin.width / 2 - radius);
+    btTransform at(random_rotation(rng));
+    const double x = rng.uniform(-free_x, free_x);
+    const double y = rng.uniform(-free_y, free_y);
+    at.setOrigin(to_bullet(Vec3(x, y, top_mm + radius + 5)));
+    parts.push_back(world.add_part(body_shapes[kind], at));
+    world.run(0.15);
+    top_mm = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      top_mm = std::max(top_mm, from_bullet(parts[i]->getWorldTransform().getOrigin()).z() +
+                                    shapes[kinds[i]].radius_mm);
+    }
+  }
+  world.run(1.5);
+  for (btRigidBody* wall : chute) world.remove(wall);
+  world.run(1.5);
+
+  std::vector<PlacedPart> placed;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const btTransform& at = parts[i]->getWorldTransform();
+    const Vec3 centre = from_bullet(at.getOrigin());
+    const btQuaternion turn = at.getRotation();
+    PlacedPart part;
+    part.kind = kinds[i];
+    part.T_world_obj.R =
+        Eigen::Quaterniond(turn.w(), turn.x(), turn.y(), turn.z()).toRotationMatrix();
+    part.T_world_obj.t_mm = centre - part.T_world_obj.R * body_shapes[part.kind].centre_mm;
+    const bool inside = std::abs(centre.x()) < bin.length / 2 &&
+                        std::abs(centre.y()) < bin.width / 2 && centre.z() > 0;
+    if (inside) placed.push_back(part);
+  }
+  return placed;
+}
+
+}  // namespace binpick::simulation

@@ -1,0 +1,116 @@
+#include "training/part_training.hpp"
+
+#include <stdexcept>
+
+#include "binpick/detect/detector.hpp"
+#include "error_text.hpp"
+#include "training/score_calibration.hpp"
+#include "training/variance_scale.hpp"
+
+namespace binpick::app {
+namespace {
+
+// Apart from each other, and from the seed of the templates' samples.
+constexpr std::uint64_t kCalibrationSeed = 0x63616c6962726174;
+constexpr std::uint64_t kTestSeed = 0x73656c6674657374;
+// Poses of small parts have to be nearer than the limits of the bin-picking experiment.
+constexpr double kLimitInDiameters = 0.075;
+
+ObjectModel parsed(const std::vector<std::uint8_t>& bytes) {
+  const Result<ObjectModel> model = ObjectModel::parse(bytes);
+  if (!model.ok()) {
+    throw std::runtime_error("the model just trained is not valid: " + error_text(model.error()));
+  }
+  return model.value();
+}
+
+Vec3 centre_of(const ModelInfo& info) {
+  Vec3 centre_mm;
+  for (int k = 0; k < 3; ++k) centre_mm[k] = (info.bounds_min_mm[k] + info.bounds_max_mm[k]) / 2;
+  return centre_mm;
+}
+
+// With the symmetries that training found, so that no pose is wrong that nobody can tell from
+// right.
+PartGeometry geometry_of(const ObjectModel& model, const train::Mesh& mesh) {
+  const ModelInfo& info = model.info();
+  const Vec3 centre_mm = centre_of(info);
+  drivers::BopModel part;
+  part.obj_id = kPileObject;
+  part.diameter_mm = info.diameter_mm;
+  for (const SymmetryTurn& turn : model.symmetry().exact_turns) {
+    Pose move = move_of(turn);  // about the middle of the bounding box
+    move.t_mm += centre_mm - move.R * centre_mm;
+    part.symmetries_discrete.push_back(move);
+  }
+  for (const SymmetryAxis& axis : model.symmetry().exact_axes) {
+    const auto at = [](const float* v) {
+      return Eigen::Map<const Eigen::Vector3f>(v).cast<double>();
+    };
+    part.symmetries_continuous.push_back({at(axis.axis), at(axis.point_mm) + centre_mm});
+  }
+  return PartGeometry(part, mesh);
+}
+
+ScoreCalibration score_of(const PileTrial& trial, const PartGeometry& geometry) {
+  PoseLimits limits;
+  limits.mm = std::min(limits.mm, kLimitInDiameters * geometry.diameter_mm());
+  const std::vector<bool> right = right_rows(trial, geometry, limits);
+  std::vector<JudgedScore> poses;
+  for (std::size_t i = 0; i < right.size(); ++i) poses.push_back({trial.rows[i].score, right[i]});
+  return fit_calibration(poses);
+}
+
+void calibrate(const ObjectModel& model, const PartGeometry& geometry,
+               const std::vector<SimulatedPile>& piles, WorkerPool& pool, ModelTrials& trials) {
+  const PileTrial both = run_trial(model, piles, TrialSees::kDepthAndIntensity, pool);
+  trials.with_intensity = score_of(both, geometry);
+  trials.depth_alone = score_of(run_trial(model, piles, TrialSees::kDepthAlone, pool), geometry);
+  if (const auto growth = growth_of_variance(both, geometry, centre_of(model.info()))) {
+    trials.variance_scale = model.trials().variance_scale * *growth;
+  }
+}
+
+}  // namespace
+
+TrainedPart train_part(const train::ImportedMesh& part, const train::TrainOptions& options,
+                       const TrialPlan& plan, WorkerPool& pool,
+                       const PartTrainingProgress& progress) {
+  const auto tell = [&](const char* step, double share) {
+    if (progress) progress(step, share);
+  };
+  TrainedPart out;
+  out.model =
+      train::train_model(part, options, pool, [&](double share) { tell("training", share); });
+  if (plan.calibration_piles <= 0 && plan.test_piles <= 0) return out;
+
+  const PartGeometry geometry = geometry_of(parsed(out.model), part.mesh);
+  const PileMaker maker(part, options);
+  const auto piles_of = [&](const char* step, int count, std::uint64_t seed) {
+    tell(step, 0);
+    std::vector<SimulatedPile> piles = maker.make(count, options.seed ^ seed, pool);
+    tell(step, 0.9);
+    return piles;
+  };
+  ModelTrials trials;
+  if (plan.calibration_piles > 0) {
+    const auto piles = piles_of("calibration", plan.calibration_piles, kCalibrationSeed);
+    calibrate(parsed(out.model), geometry, piles, pool, trials);
+    trials.calibration_piles = plan.calibration_piles;
+    train::set_trials(out.model, trials);
+    tell("calibration", 1);
+  }
+  if (plan.test_piles > 0) {
+    const auto piles = piles_of("self-test", plan.test_piles, kTestSeed);
+    const ObjectModel model = parsed(out.model);
+    const PileTrial trial = run_trial(model, piles, TrialSees::kDepthAndIntensity, pool);
+    out.self_test = judge(trial, geometry, DetectRequest{}.min_score);
+    out.advice = advice(*out.self_test, model);
+    trials.self_test = out.self_test->record;
+    train::set_trials(out.model, trials);
+    tell("self-test", 1);
+  }
+  return out;
+}
+
+}  // namespace binpick::app

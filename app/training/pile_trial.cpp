@@ -1,0 +1,83 @@
+#include "training/pile_trial.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "clock.hpp"
+#include "error_text.hpp"
+#include "sized_detector.hpp"
+
+namespace binpick::app {
+namespace {
+
+constexpr int kResultsMax = 200;
+
+DetectorLimits limits_of(const std::vector<SimulatedPile>& piles) {
+  DetectorLimits limits;
+  limits.results_max = kResultsMax;
+  for (const SimulatedPile& pile : piles) {
+    limits.image_width = pile.frame.camera.width;
+    limits.image_height = pile.frame.camera.height;
+    limits.roi_width = std::max(limits.roi_width, pile.frame.roi.width);
+    limits.roi_height = std::max(limits.roi_height, pile.frame.roi.height);
+  }
+  return limits;
+}
+
+std::vector<ScoredInstance> scored(const SimulatedPile& pile) {
+  std::vector<ScoredInstance> out;
+  for (const drivers::TruthInstance& truth : pile.truth) {
+    const Vec3& t = truth.T_cam_obj.t_mm;
+    const CameraIntrinsics& camera = pile.frame.camera;
+    const double u = camera.fx * t.x() / t.z() + camera.cx;
+    const double v = camera.fy * t.y() / t.z() + camera.cy;
+    const Roi& roi = pile.frame.roi;
+    const bool inside = u >= roi.x && u < roi.x + roi.width && v >= roi.y && v < roi.y + roi.height;
+    out.push_back({truth, inside});
+  }
+  return out;
+}
+
+}  // namespace
+
+PileTrial run_trial(const ObjectModel& model, const std::vector<SimulatedPile>& piles,
+                    TrialSees sees, WorkerPool& pool) {
+  const std::vector<ObjectModel> models = {model};
+  SizedDetector sized(models, limits_of(piles), DetectorParams{}, pool);
+  DetectRequest request;
+  request.max_results = kResultsMax;
+  request.min_score = 0;
+  PileTrial trial;
+  for (std::size_t i = 0; i < piles.size(); ++i) {
+    const drivers::FrameId id{1, static_cast<int>(i)};
+    trial.truth[id] = scored(piles[i]);
+    Frame frame = piles[i].frame.view();
+    if (sees == TrialSees::kDepthAlone) frame.intensity = {};
+    const std::int64_t begin_ns = monotonic_ns();
+    const Result<DetectionReport> report = sized.detector().detect(frame, request);
+    if (!report.ok()) throw std::runtime_error("a simulated pile: " + error_text(report.error()));
+    trial.time_s[id] = static_cast<double>(monotonic_ns() - begin_ns) * 1e-9;
+    for (const Detection& d : report.value().detections) {
+      trial.rows.push_back({id, kPileObject, d.score, d.T_cam_obj, trial.time_s[id]});
+      trial.uncertainty.push_back(d.uncertainty);
+    }
+  }
+  return trial;
+}
+
+std::vector<bool> right_rows(const PileTrial& trial, const PartGeometry& geometry,
+                             const PoseLimits& limits) {
+  std::vector<bool> right;
+  for (const ResultRow& row : trial.rows) {
+    const std::vector<ScoredInstance>& instances = trial.truth.at(row.frame);
+    right.push_back(
+        std::any_of(instances.begin(), instances.end(), [&](const ScoredInstance& instance) {
+          const Pose& truth = instance.truth.T_cam_obj;
+          return (truth.t_mm - row.T_cam_obj.t_mm).norm() < geometry.diameter_mm() &&
+                 relative_error(geometry.six_errors(row.T_cam_obj, truth, limits), limits) < 1;
+        }));
+  }
+  return right;
+}
+
+}  // namespace binpick::app

@@ -1,0 +1,44 @@
+#include "detect/acceptance.hpp"
+
+#include "pose/ray_pose.hpp"
+#include "pose/uncertainty.hpp"
+
+namespace binpick {
+namespace {
+
+constexpr double kVisibleFractionMin = 0.2;
+
+}  // namespace
+
+std::optional<DropReason> objection_to(const Hypothesis& h, double min_score) {
+  const Evidence& e = h.evidence;
+  if (e.visible_fraction() < kVisibleFractionMin) return DropReason::kTooHidden;
+  if (e.contradicted > e.measured) return DropReason::kContradicted;
+  if (h.score < min_score) return DropReason::kBelowMinScore;
+  return std::nullopt;
+}
+
+Detection detection_of(std::span<const ObjectModel> models, const Scene& scene,
+                       const Hypothesis& h) {
+  const ObjectModel& model = models[h.candidate.model];
+  Detection d;
+  d.model_index = h.candidate.model;
+  d.T_cam_obj = h.T_cam_centre;
+  d.T_cam_obj.t_mm -= h.T_cam_centre.R * centre_offset(model);
+  d.score_terms = terms_of(h);
+  d.uncertainty =
+      pose_uncertainty(model, scene, refine_params(model, h.T_cam_centre), h.T_cam_centre);
+  d.score = h.score;
+  d.visible_fraction = h.evidence.visible_fraction();
+  d.depth_support = h.evidence.depth_support();
+  d.contour_support = h.evidence.contour_support();
+  d.depth_residual_mm = h.evidence.residual_mm;
+  d.template_score = static_cast<double>(h.candidate.score) / kScoreOne;
+  const TreeDepth& leaves = model.depth(model.depth_count() - 1);
+  d.template_index =
+      (h.candidate.viewpoint * leaves.roll_count + h.candidate.roll) * leaves.distance_count +
+      h.candidate.distance;
+  return d;
+}
+
+}  // namespace binpick
