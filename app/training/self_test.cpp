@@ -58,10 +58,14 @@ std::vector<VisibilityBand> find_bands(const PileTrial& trial, const PartGeometr
 // From here on up, half of the parts are found; 1 where that holds nowhere.
 double visible_fraction_min(const std::vector<VisibilityBand>& bands) {
   double found_from = 1;
+  int instances = 0, found = 0;  // of bands that say something only together
   for (auto band = bands.rbegin(); band != bands.rend(); ++band) {
-    if (band->instances < kBandMin) continue;
-    if (2 * band->found < band->instances) break;
+    instances += band->instances;
+    found += band->found;
+    if (instances < kBandMin) continue;
+    if (2 * found < instances) break;
     found_from = band->from;
+    instances = found = 0;
   }
   return found_from;
 }

@@ -12,6 +12,8 @@ namespace {
 
 // Of a variant against the pose found: the search found that one, and noise must not change it.
 constexpr double kOddsMin = 2;
+// A pose less probable than this is none of its variants either: those share most of its surface.
+constexpr double kScoreMin = 0.02;
 // Steps about an axis are looked at as they are; the best ones are refined.
 constexpr int kStepsRefined = 2;
 
@@ -107,7 +109,9 @@ SettleOutcome settle_near_poses(const PoseContext& context, std::span<Hypothesis
   context.pool.parallel_for(count, [&](int i, int) {
     Hypothesis& h = hypotheses[static_cast<std::size_t>(i)];
     const PartMoves& moves = context.moves[h.candidate.model];
-    if (!h.leads || (moves.near_turns().empty() && moves.near_steps().empty())) return;
+    if (!h.leads || h.score < kScoreMin ||
+        (moves.near_turns().empty() && moves.near_steps().empty()))
+      return;
     if (context.deadline.passed()) {
       cut_short = true;
     } else if (settle(context, h)) {

@@ -98,5 +98,22 @@ TEST(SelfTest, SaysFromWhichVisibleShareHalfOfThePartsAreFound) {
   EXPECT_DOUBLE_EQ(judge(trial, bracket_geometry(), 0.5).record.visible_fraction_min, 0.4);
 }
 
+// Bands of two or three parts say something only together.
+TEST(SelfTest, JoinsBandsOfFewParts) {
+  PileTrial trial;
+  for (int band = 0; band < 10; ++band) {
+    for (int i = 0; i < 2; ++i) {
+      ScoredInstance instance;
+      instance.truth.obj_id = kPileObject;
+      instance.truth.T_cam_obj = bracket_pose(20, 0, 0, Vec3(400.0 * i, 400.0 * band, 500));
+      instance.truth.visible_fraction = 0.05 + 0.1 * band;
+      trial.truth[{1, 0}].push_back(instance);
+      if (band >= 6) add_row(trial, instance.truth.T_cam_obj, 0.9);
+    }
+  }
+  // 0.7 to 1: six of six; 0.4 to 0.7: two of six.
+  EXPECT_NEAR(judge(trial, bracket_geometry(), 0.5).record.visible_fraction_min, 0.7, 1e-9);
+}
+
 }  // namespace
 }  // namespace binpick::app
