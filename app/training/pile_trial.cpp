@@ -65,6 +65,12 @@ PileTrial run_trial(const ObjectModel& model, const std::vector<SimulatedPile>& 
   return trial;
 }
 
+bool is_right(const PartGeometry& geometry, const Pose& estimate, const Pose& truth,
+              const PoseLimits& limits) {
+  return (truth.t_mm - estimate.t_mm).norm() < geometry.diameter_mm() &&
+         relative_error(geometry.six_errors(estimate, truth, limits), limits) < 1;
+}
+
 std::vector<bool> right_rows(const PileTrial& trial, const PartGeometry& geometry,
                              const PoseLimits& limits) {
   std::vector<bool> right;
@@ -72,9 +78,7 @@ std::vector<bool> right_rows(const PileTrial& trial, const PartGeometry& geometr
     const std::vector<ScoredInstance>& instances = trial.truth.at(row.frame);
     right.push_back(
         std::any_of(instances.begin(), instances.end(), [&](const ScoredInstance& instance) {
-          const Pose& truth = instance.truth.T_cam_obj;
-          return (truth.t_mm - row.T_cam_obj.t_mm).norm() < geometry.diameter_mm() &&
-                 relative_error(geometry.six_errors(row.T_cam_obj, truth, limits), limits) < 1;
+          return is_right(geometry, row.T_cam_obj, instance.truth.T_cam_obj, limits);
         }));
   }
   return right;

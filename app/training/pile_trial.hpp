@@ -28,6 +28,10 @@ enum class TrialSees { kDepthAndIntensity, kDepthAlone };
 PileTrial run_trial(const ObjectModel& model, const std::vector<SimulatedPile>& piles,
                     TrialSees sees, WorkerPool& pool);
 
+// Whether a pose is that of a part, for the best of the part's symmetries.
+bool is_right(const PartGeometry& geometry, const Pose& estimate, const Pose& truth,
+              const PoseLimits& limits);
+
 // Whether the pose of each row is right within `limits`, whatever can be seen of the part.
 std::vector<bool> right_rows(const PileTrial& trial, const PartGeometry& geometry,
                              const PoseLimits& limits);

@@ -31,10 +31,7 @@ std::string text(const char* format, ...) {
 }
 
 bool right(const ResultRow& row, const ScoredInstance& instance, const PartGeometry& geometry) {
-  const PoseLimits limits;
-  return (instance.truth.T_cam_obj.t_mm - row.T_cam_obj.t_mm).norm() < geometry.diameter_mm() &&
-         relative_error(geometry.six_errors(row.T_cam_obj, instance.truth.T_cam_obj, limits),
-                        limits) < 1;
+  return is_right(geometry, row.T_cam_obj, instance.truth.T_cam_obj, PoseLimits{});
 }
 
 std::vector<VisibilityBand> find_bands(const PileTrial& trial, const PartGeometry& geometry,

@@ -33,9 +33,8 @@ std::optional<double> growth_of_variance(const PileTrial& trial, const PartGeome
     if (row.score < 0.5) continue;
     for (const ScoredInstance& instance : trial.truth.at(row.frame)) {
       const Pose& truth = instance.truth.T_cam_obj;
-      if ((truth.t_mm - row.T_cam_obj.t_mm).norm() > geometry.diameter_mm()) continue;
+      if (!is_right(geometry, row.T_cam_obj, truth, limits)) continue;
       const PoseError6 error = geometry.six_errors(row.T_cam_obj, truth, limits);
-      if (relative_error(error, limits) >= 1) continue;
       const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> covariance(
           trial.uncertainty[i].covariance.data());
       const Vec6 e = centre_error(error, row.T_cam_obj, centre_mm);

@@ -50,13 +50,6 @@ struct TrainedModel {
   ObjectModel model;
 };
 
-train::ImportedMesh bracket_part() {
-  train::ImportedMesh part;
-  part.mesh = bracket_mesh();
-  part.source_hash = 0xB0A7;
-  return part;
-}
-
 TrainedModel train_bracket() {
   train::TrainOptions options;
   options.camera = bracket_camera();
@@ -78,6 +71,13 @@ const TrainedModel& trained() {
 }
 
 }  // namespace
+
+train::ImportedMesh bracket_part() {
+  train::ImportedMesh part;
+  part.mesh = bracket_mesh();
+  part.source_hash = 0xB0A7;
+  return part;
+}
 
 Mesh bracket_mesh() {
   Mesh mesh;

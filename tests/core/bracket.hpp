@@ -16,6 +16,7 @@ namespace binpick {
 inline constexpr double kDegree = 3.14159265358979323846 / 180;
 
 train::Mesh bracket_mesh();
+train::ImportedMesh bracket_part();
 
 // 480 x 360 px; the bracket spans about 120 px at the middle of the distances trained for.
 CameraIntrinsics bracket_camera();

@@ -62,7 +62,9 @@ TEST(Diagnosis, FollowsAFoundPartToTheEnd) {
     int searched = 0;
     for (const double score : f.template_scores) {
       searched += score >= 0;
-      if (score >= 0) EXPECT_GT(score, 0.9) << "the search's own threshold";
+      if (score >= 0) {
+        EXPECT_GT(score, 0.9) << "the search's own threshold";
+      }
     }
     EXPECT_GE(searched, 2);
   }

@@ -11,13 +11,6 @@
 namespace binpick::app {
 namespace {
 
-train::ImportedMesh bracket_part() {
-  train::ImportedMesh part;
-  part.mesh = bracket_mesh();
-  part.source_hash = 0xB0A7;
-  return part;
-}
-
 train::TrainOptions quick_options() {
   train::TrainOptions options;
   options.camera = bracket_camera();

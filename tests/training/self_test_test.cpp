@@ -82,37 +82,30 @@ TEST(SelfTest, NamesTheTurnThatPartsAreConfusedBy) {
   EXPECT_THAT(sentences, testing::Contains(testing::HasSubstr("raise min_score")));
 }
 
-TEST(SelfTest, SaysFromWhichVisibleShareHalfOfThePartsAreFound) {
+// Ten bands of visibility with so many parts each, of which found_in(band) are found.
+template <class FoundIn>
+double visible_fraction_min(int parts_each, FoundIn&& found_in) {
   PileTrial trial;
   for (int band = 0; band < 10; ++band) {
-    for (int i = 0; i < 6; ++i) {
+    for (int i = 0; i < parts_each; ++i) {
       ScoredInstance instance;
       instance.truth.obj_id = kPileObject;
       instance.truth.T_cam_obj = bracket_pose(20, 0, 0, Vec3(400.0 * i, 400.0 * band, 500));
       instance.truth.visible_fraction = 0.05 + 0.1 * band;
       trial.truth[{1, 0}].push_back(instance);
-      const bool found = i < (band >= 4 ? 3 : 2);
-      if (found) add_row(trial, instance.truth.T_cam_obj, 0.9);
+      if (i < found_in(band)) add_row(trial, instance.truth.T_cam_obj, 0.9);
     }
   }
-  EXPECT_DOUBLE_EQ(judge(trial, bracket_geometry(), 0.5).record.visible_fraction_min, 0.4);
+  return judge(trial, bracket_geometry(), 0.5).record.visible_fraction_min;
 }
 
-// Bands of two or three parts say something only together.
+TEST(SelfTest, SaysFromWhichVisibleShareHalfOfThePartsAreFound) {
+  EXPECT_NEAR(visible_fraction_min(6, [](int band) { return band >= 4 ? 3 : 2; }), 0.4, 1e-9);
+}
+
+// Bands of two parts say something only together: 0.7 to 1 six of six, 0.4 to 0.7 two of six.
 TEST(SelfTest, JoinsBandsOfFewParts) {
-  PileTrial trial;
-  for (int band = 0; band < 10; ++band) {
-    for (int i = 0; i < 2; ++i) {
-      ScoredInstance instance;
-      instance.truth.obj_id = kPileObject;
-      instance.truth.T_cam_obj = bracket_pose(20, 0, 0, Vec3(400.0 * i, 400.0 * band, 500));
-      instance.truth.visible_fraction = 0.05 + 0.1 * band;
-      trial.truth[{1, 0}].push_back(instance);
-      if (band >= 6) add_row(trial, instance.truth.T_cam_obj, 0.9);
-    }
-  }
-  // 0.7 to 1: six of six; 0.4 to 0.7: two of six.
-  EXPECT_NEAR(judge(trial, bracket_geometry(), 0.5).record.visible_fraction_min, 0.7, 1e-9);
+  EXPECT_NEAR(visible_fraction_min(2, [](int band) { return band >= 6 ? 2 : 0; }), 0.7, 1e-9);
 }
 
 }  // namespace
