@@ -41,7 +41,10 @@ train::Mesh bolt() {
 struct Depth {
   std::vector<float> mm;
   Frame frame() const {
-    return {{mm.data(), kCamera.width, kCamera.height, kCamera.width}, {}, kCamera};
+    Frame frame;
+    frame.depth_mm = {mm.data(), kCamera.width, kCamera.height, kCamera.width};
+    frame.camera = kCamera;
+    return frame;
   }
 };
 

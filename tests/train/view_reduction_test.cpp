@@ -86,7 +86,7 @@ TEST(ViewReduction, WithoutAnExactSymmetryAllAreNeeded) {
 }
 
 TEST(ViewReduction, OfFoldsKeepsTheirShareAndARim) {
-  for (const Vec3 axis : {Vec3(0, 0, 1), Vec3(0.6, 0, 0.8), Vec3(1, 0, 0)}) {
+  for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(0.6, 0, 0.8), Vec3(1, 0, 0)}) {
     for (const int fold : {2, 6}) {
       const FoundSymmetry symmetry = folds(axis, fold);
       const PoseTree tree = make_pose_tree(toy_options(), symmetry);
@@ -99,7 +99,7 @@ TEST(ViewReduction, OfFoldsKeepsTheirShareAndARim) {
 }
 
 TEST(ViewReduction, OfAnAxisKeepsOneMeridian) {
-  for (const Vec3 axis : {Vec3(0, 0, 1), Vec3(0, -0.6, 0.8)}) {
+  for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(0, -0.6, 0.8)}) {
     const PoseTree tree = make_pose_tree(toy_options(), continuous(axis));
     EXPECT_LT(tree.leaves().viewpoints.size(), 60u);
     const auto all_around = [&](const Vec3& d) {
