@@ -12,9 +12,9 @@ namespace {
 
 // Of a variant against the pose found: the search found that one, and noise must not change it.
 constexpr double kOddsMin = 2;
-// A pose less probable than this is none of its variants either: those share most of its surface.
-constexpr double kScoreMin = 0.02;
-// Steps about an axis are looked at as they are; the best ones are refined.
+// Steps about an axis are looked at as they are; the best ones are refined. They are many, and
+// share most of their surface: where the pose is less probable than this they are not worth it.
+constexpr double kScoreOfStepsMin = 0.02;
 constexpr int kStepsRefined = 2;
 
 // What is left of a pose, and of its variant so far.
@@ -94,7 +94,8 @@ bool settle(const PoseContext& context, Hypothesis& h) {
   for (const Pose& move : moves.near_turns()) offer(challenge, h, h.T_cam_centre * move, best);
   const bool flipped = best.odds > kOddsMin;
   const Pose other_side = best.hypothesis.T_cam_centre;
-  offer_steps(challenge, h, h.T_cam_centre, moves.near_steps(), best);
+  if (h.score >= kScoreOfStepsMin)
+    offer_steps(challenge, h, h.T_cam_centre, moves.near_steps(), best);
   if (flipped) offer_steps(challenge, h, other_side, moves.near_steps(), best);
   if (!(best.odds > kOddsMin)) return false;
   h = best.hypothesis;
@@ -109,9 +110,7 @@ SettleOutcome settle_near_poses(const PoseContext& context, std::span<Hypothesis
   context.pool.parallel_for(count, [&](int i, int) {
     Hypothesis& h = hypotheses[static_cast<std::size_t>(i)];
     const PartMoves& moves = context.moves[h.candidate.model];
-    if (!h.leads || h.score < kScoreMin ||
-        (moves.near_turns().empty() && moves.near_steps().empty()))
-      return;
+    if (!h.leads || (moves.near_turns().empty() && moves.near_steps().empty())) return;
     if (context.deadline.passed()) {
       cut_short = true;
     } else if (settle(context, h)) {

@@ -13,9 +13,9 @@ struct SettleOutcome {
   bool cut_short = false;  // the deadline came before all were settled
 };
 
-// For the best hypothesis of each place, unless it is improbable: the near-symmetric variants are
-// compared with it, the most promising ones refined and verified, and the winner takes its place.
-// `hypotheses` are sorted as suppress() leaves them.
+// For the best hypothesis of each place: the near-symmetric variants are compared with it, the most
+// promising ones refined and verified, and the winner takes its place. `hypotheses` are sorted as
+// suppress() leaves them.
 SettleOutcome settle_near_poses(const PoseContext& context, std::span<Hypothesis> hypotheses);
 
 }  // namespace binpick
