@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -24,19 +25,24 @@ inline long resident_pages() {
   return resident;
 }
 
-// Of 100 runs of `cycle`, after the first 20: until then the allocator takes what it will keep.
+// Of 100 runs of `cycle`, after the first 20: until then the allocator takes what it will keep. On
+// a busy machine it may take another arena later, once; what is left behind grows in both halves.
 template <class Cycle>
 void expect_a_hundred_leave_nothing(Cycle&& cycle) {
   for (int i = 0; i < 20; ++i) cycle();
   const int threads = entries_of("/proc/self/task"), descriptors = entries_of("/proc/self/fd");
-  const long pages = resident_pages();
-  for (int i = 0; i < 100; ++i) cycle();
+  const auto grown_kib_in_fifty = [&] {
+    const long pages = resident_pages();
+    for (int i = 0; i < 50; ++i) cycle();
+    return (resident_pages() - pages) * (getpagesize() / 1024);
+  };
+  const long first_kib = grown_kib_in_fifty(), second_kib = grown_kib_in_fifty();
   EXPECT_EQ(entries_of("/proc/self/task"), threads);
   EXPECT_EQ(entries_of("/proc/self/fd"), descriptors);
-  const long grown_kib = (resident_pages() - pages) * (getpagesize() / 1024);
-  std::printf("[ measured ] %ld KiB more after 100 starts\n", grown_kib);
+  std::printf("[ measured ] %ld KiB more after 50 starts, %ld after 50 others\n", first_kib,
+              second_kib);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  EXPECT_LT(grown_kib, 1024);
+  EXPECT_LT(std::min(first_kib, second_kib), 512);
 #endif
 }
 
