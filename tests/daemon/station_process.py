@@ -144,7 +144,10 @@ class Station:
         with socket.socket(socket.AF_UNIX) as connection:
             connection.settimeout(seconds)
             connection.connect(self.control)
-            connection.sendall(line.encode() + b"\n")
+            try:
+                connection.sendall(line.encode() + b"\n")
+            except BrokenPipeError:
+                pass  # refused before it was heard: why can still be read
             return json.loads(connection.makefile().readline())
 
     def resident_kib(self):
