@@ -15,7 +15,9 @@ class SizedDetector {
   SizedDetector(std::span<const ObjectModel> models, const DetectorLimits& limits,
                 const DetectorParams& params, WorkerPool& pool)
       : arena_(Detector::footprint(models, limits, params, pool.thread_count())),
-        detector_(models, limits, params, pool, &monotonic_ns, arena_) {}
+        detector_(models, limits, params, pool, &monotonic_ns, arena_) {
+    arena_.seal();
+  }
 
   Detector& detector() { return detector_; }
 

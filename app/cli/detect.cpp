@@ -10,10 +10,10 @@
 #include "cli/commands.hpp"
 #include "cli/detect_output.hpp"
 #include "cli/number_between.hpp"
-#include "clock.hpp"
 #include "error_text.hpp"
 #include "replace_file.hpp"
 #include "setup_error.hpp"
+#include "sized_detector.hpp"
 #include "thread_pool.hpp"
 
 namespace binpick::app {
@@ -104,10 +104,8 @@ int detect_parts(const DetectArguments& arguments) {
 
   ThreadPool pool(arguments.threads);
   const DetectorLimits limits = limits_of(run.frame, arguments.max_results);
-  Arena arena(Detector::footprint(models, limits, run.params, pool.thread_count()));
-  Detector detector(models, limits, run.params, pool, &monotonic_ns, arena);
-  arena.seal();
-  const Result<DetectionReport> report = detector.detect(run.frame, run.request);
+  SizedDetector sized(models, limits, run.params, pool);
+  const Result<DetectionReport> report = sized.detector().detect(run.frame, run.request);
   if (!report.ok()) throw std::runtime_error(run.frame_name + ": " + error_text(report.error()));
 
   const std::string json = report_json(run, report.value());

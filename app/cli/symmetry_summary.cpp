@@ -10,15 +10,8 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-Vec3 vector_of(const float* v) {
-  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
-}
-
-Vec3 in_cad(const ObjectModel& model, const float* point_mm) {
-  Vec3 out = vector_of(point_mm);
-  for (int i = 0; i < 3; ++i)
-    out[i] += (model.info().bounds_min_mm[i] + model.info().bounds_max_mm[i]) / 2;
-  return out;
+Vec3 point_in_cad(const ObjectModel& model, const float (&point_mm)[3]) {
+  return vector_of(point_mm) + model.centre_mm();
 }
 
 std::string line_text(const Vec3& axis, const Vec3& point_mm) {
@@ -45,21 +38,19 @@ nlohmann::ordered_json to_json(const Vec3& v) {
 
 // Row-major 4x4, CAD to CAD, as in models_info.json.
 nlohmann::ordered_json matrix_json(const ObjectModel& model, const SymmetryTurn& turn) {
-  const Pose move = move_of(turn);
-  const float zero[3] = {};
-  const Vec3 centre = in_cad(model, zero);
-  const Vec3 t = move.t_mm + centre - move.R * centre;
+  const Pose move = in_cad(move_of(turn), model.centre_mm());
   auto json = nlohmann::ordered_json::array();
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 3; ++c) json.push_back(move.R(r, c));
-    json.push_back(t[r]);
+    json.push_back(move.t_mm[r]);
   }
   for (const double v : {0.0, 0.0, 0.0, 1.0}) json.push_back(v);
   return json;
 }
 
 nlohmann::ordered_json axis_json(const ObjectModel& model, const SymmetryAxis& a) {
-  return {{"axis", to_json(vector_of(a.axis))}, {"offset", to_json(in_cad(model, a.point_mm))}};
+  return {{"axis", to_json(vector_of(a.axis))},
+          {"offset", to_json(point_in_cad(model, a.point_mm))}};
 }
 
 }  // namespace
@@ -74,7 +65,7 @@ std::vector<FoldAxis> fold_axes(const ObjectModel& model) {
       return std::abs(a.axis.dot(axis)) > std::cos(1 * kDegree);
     });
     if (known == axes.end()) {
-      axes.push_back({axis, in_cad(model, t.point_mm), fold});
+      axes.push_back({axis, point_in_cad(model, t.point_mm), fold});
     } else {
       known->fold = std::max(known->fold, fold);
     }
@@ -87,9 +78,9 @@ std::vector<FoldAxis> fold_axes(const ObjectModel& model) {
 std::vector<std::string> symmetry_lines(const ObjectModel& model) {
   const PartSymmetry& symmetry = model.symmetry();
   std::vector<std::string> lines;
-  const auto add_axis = [&](const std::string& what, const float* axis, const float* point_mm,
-                            const std::string& difference) {
-    lines.push_back(what + line_text(vector_of(axis), in_cad(model, point_mm)) + difference);
+  const auto add_axis = [&](const std::string& what, const float(&axis)[3],
+                            const float(&point_mm)[3], const std::string& difference) {
+    lines.push_back(what + line_text(vector_of(axis), point_in_cad(model, point_mm)) + difference);
   };
   for (const SymmetryAxis& a : symmetry.exact_axes)
     add_axis("continuous about ", a.axis, a.point_mm, "");
@@ -139,7 +130,7 @@ nlohmann::ordered_json symmetry_json(const ObjectModel& model) {
   }
   for (const SymmetryTurn& t : symmetry.near_turns) {
     add_near({{"axis", to_json(vector_of(t.axis))},
-              {"offset", to_json(in_cad(model, t.point_mm))},
+              {"offset", to_json(point_in_cad(model, t.point_mm))},
               {"angle_deg", static_cast<double>(t.angle_rad) / kDegree},
               {"shift_mm", t.shift_mm},
               {"matrix", matrix_json(model, t)}},

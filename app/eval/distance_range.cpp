@@ -16,16 +16,12 @@ constexpr double kApparent_px_min = 40.0;  // five pixels at the top of the pyra
 
 std::optional<DistanceRange> measured_range(const Frame& frame) {
   const ImageView<const float>& depth = frame.depth_mm;
-  const Roi& roi = frame.roi;
-  const int x0 = roi.whole_image() ? 0 : std::max(roi.x, 0);
-  const int y0 = roi.whole_image() ? 0 : std::max(roi.y, 0);
-  const int x1 = roi.whole_image() ? depth.width : std::min(roi.x + roi.width, depth.width);
-  const int y1 = roi.whole_image() ? depth.height : std::min(roi.y + roi.height, depth.height);
+  const auto [x0, y0, x1, y1] = pixels_of(frame.roi, depth.width, depth.height);
   std::vector<double> distances;
   for (int y = y0; y < y1; y += kStep_px) {
     for (int x = x0; x < x1; x += kStep_px) {
       const float z = depth.at(x, y);
-      if (std::isfinite(z) && z > 0) distances.push_back(frame.camera.unproject(x, y, z).norm());
+      if (is_measured(z)) distances.push_back(frame.camera.unproject(x, y, z).norm());
     }
   }
   if (distances.size() < kSamplesMin) return std::nullopt;

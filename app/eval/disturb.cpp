@@ -20,10 +20,6 @@ constexpr double kShadeMax = 4;
 constexpr int kRimPx = 128;  // around the ROI, beyond what the detector looks at
 constexpr double kDegree = std::numbers::pi / 180;
 
-bool measured(float z) {
-  return std::isfinite(z) && z > 0;
-}
-
 // The same on every machine, which std::normal_distribution is not.
 class Random {
  public:
@@ -40,14 +36,8 @@ class Random {
   std::mt19937_64 bits_;
 };
 
-Roi region_of(const LoadedFrame& frame) {
-  if (frame.roi.whole_image()) return {0, 0, frame.camera.width, frame.camera.height};
-  Roi r = frame.roi;
-  const int right = std::min(r.x + r.width, frame.camera.width),
-            bottom = std::min(r.y + r.height, frame.camera.height);
-  r.x = std::max(0, r.x);
-  r.y = std::max(0, r.y);
-  return {r.x, r.y, std::max(0, right - r.x), std::max(0, bottom - r.y)};
+PixelRange region_of(const LoadedFrame& frame) {
+  return pixels_of(frame.roi, frame.camera.width, frame.camera.height);
 }
 
 float& depth_at(LoadedFrame& frame, int x, int y) {
@@ -65,7 +55,7 @@ void add_noise(LoadedFrame& frame, double level, std::uint64_t seed) {
         for (int u = x; u < std::min(x + kNoiseBlockPx, frame.camera.width); ++u) {
           float& z = depth_at(frame, u, v);
           const double mm = static_cast<double>(z);
-          if (measured(z)) z = static_cast<float>(std::max(1.0, mm + value * mm * mm));
+          if (is_measured(z)) z = static_cast<float>(std::max(1.0, mm + value * mm * mm));
         }
       }
     }
@@ -74,25 +64,22 @@ void add_noise(LoadedFrame& frame, double level, std::uint64_t seed) {
 }
 
 void lose_depth(LoadedFrame& frame, double share, std::uint64_t seed) {
-  const Roi roi = region_of(frame);
-  if (roi.width == 0 || roi.height == 0) return;
+  const PixelRange roi = region_of(frame);
+  if (roi.empty()) return;
   long long left = 0;
-  for (int y = roi.y; y < roi.y + roi.height; ++y) {
-    for (int x = roi.x; x < roi.x + roi.width; ++x) left += measured(depth_at(frame, x, y));
+  for (int y = roi.y0; y < roi.y1; ++y) {
+    for (int x = roi.x0; x < roi.x1; ++x) left += is_measured(depth_at(frame, x, y));
   }
   left = static_cast<long long>(static_cast<double>(left) * std::min(share, 1.0));
   Random random(seed);
   while (left > 0) {
-    const int cx = random.between(roi.x, roi.x + roi.width - 1),
-              cy = random.between(roi.y, roi.y + roi.height - 1);
+    const int cx = random.between(roi.x0, roi.x1 - 1), cy = random.between(roi.y0, roi.y1 - 1);
     const int radius = random.between(kBlobRadiusMin, kBlobRadiusMax);
-    for (int y = std::max(roi.y, cy - radius); y <= std::min(roi.y + roi.height - 1, cy + radius);
-         ++y) {
-      for (int x = std::max(roi.x, cx - radius); x <= std::min(roi.x + roi.width - 1, cx + radius);
-           ++x) {
+    for (int y = std::max(roi.y0, cy - radius); y <= std::min(roi.y1 - 1, cy + radius); ++y) {
+      for (int x = std::max(roi.x0, cx - radius); x <= std::min(roi.x1 - 1, cx + radius); ++x) {
         if ((x - cx) * (x - cx) + (y - cy) * (y - cy) > radius * radius) continue;
         float& z = depth_at(frame, x, y);
-        if (left == 0 || !measured(z)) continue;
+        if (left == 0 || !is_measured(z)) continue;
         z = 0;
         --left;
       }
@@ -118,7 +105,7 @@ bool normal_at(LoadedFrame& frame, int x, int y, Vec3& normal) {
   };
   const float z[4] = {depth_at(frame, x - s, y), depth_at(frame, x + s, y),
                       depth_at(frame, x, y - s), depth_at(frame, x, y + s)};
-  if (!std::all_of(z, z + 4, measured)) return false;
+  if (!std::all_of(z, z + 4, is_measured)) return false;
   const auto [near, far] = std::minmax_element(z, z + 4);
   if (*far - *near > 0.02f * *near) return false;
   const Vec3 along = point(x + s, y) - point(x - s, y), down = point(x, y + s) - point(x, y - s);
@@ -137,11 +124,11 @@ void relight(LoadedFrame& frame, double angle_deg, std::uint64_t seed) {
     return kAmbient + (1 - kAmbient) * std::max(0.0, n.dot(from));
   };
   const Vec3 facing = -Vec3::UnitZ();
-  const Roi roi = region_of(frame);
-  const int right = std::min(frame.camera.width, roi.x + roi.width + kRimPx),
-            bottom = std::min(frame.camera.height, roi.y + roi.height + kRimPx);
-  for (int y = std::max(0, roi.y - kRimPx); y < bottom; ++y) {
-    for (int x = std::max(0, roi.x - kRimPx); x < right; ++x) {
+  const PixelRange roi = region_of(frame);
+  const int right = std::min(frame.camera.width, roi.x1 + kRimPx),
+            bottom = std::min(frame.camera.height, roi.y1 + kRimPx);
+  for (int y = std::max(0, roi.y0 - kRimPx); y < bottom; ++y) {
+    for (int x = std::max(0, roi.x0 - kRimPx); x < right; ++x) {
       Vec3 n = facing;
       normal_at(frame, x, y, n);
       const double factor = std::min(kShadeMax, shade(n, light) / shade(n, facing));
@@ -170,7 +157,7 @@ const char* disturbance_unit(Disturbance d) {
 }
 
 double depth_noise_share(const LoadedFrame& frame) {
-  const Roi roi = region_of(frame);
+  const PixelRange roi = region_of(frame);
   std::vector<double> seconds;
   const auto at = [&](int x, int y) {
     return frame
@@ -178,10 +165,10 @@ double depth_noise_share(const LoadedFrame& frame) {
                   static_cast<std::size_t>(x)];
   };
   double distance = 0;
-  for (int y = roi.y; y < roi.y + roi.height; y += 2) {
-    for (int x = roi.x + kStepPx; x + kStepPx < roi.x + roi.width; x += 2) {
+  for (int y = roi.y0; y < roi.y1; y += 2) {
+    for (int x = roi.x0 + kStepPx; x + kStepPx < roi.x1; x += 2) {
       const float l = at(x - kStepPx, y), c = at(x, y), r = at(x + kStepPx, y);
-      if (!measured(l) || !measured(c) || !measured(r)) continue;
+      if (!is_measured(l) || !is_measured(c) || !is_measured(r)) continue;
       const double z = static_cast<double>(c);
       const double second = std::abs(static_cast<double>(l) - 2 * z + static_cast<double>(r));
       if (second > kSmoothShare * z) continue;

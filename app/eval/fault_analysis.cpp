@@ -12,9 +12,6 @@ namespace {
 using Instance = std::pair<drivers::FrameId, int>;
 using Targets = std::vector<const TargetFinding*>;
 
-// From here on a pose that explains more takes the place of another; as the detector has it.
-constexpr double kInPlaceShare = 0.35;
-
 Targets targets_of(const PartScore& part, const std::vector<TargetFinding>& targets) {
   const std::set<drivers::FrameId> frames(part.frames.begin(), part.frames.end());
   Targets own;
@@ -28,7 +25,7 @@ Targets targets_of(const PartScore& part, const std::vector<TargetFinding>& targ
 bool displaced(const ResultRow& row, const Targets& targets, OracleStart ReferenceFinding::*start) {
   return std::any_of(targets.begin(), targets.end(), [&](const TargetFinding* t) {
     const ReferenceFinding& f = t->finding;
-    return t->frame == row.frame && f.has_rival && f.rival_share > kInPlaceShare &&
+    return t->frame == row.frame && f.has_rival && f.rival_share > kOwnedShareMax &&
            (f.*start).right() && (f.*start).reported() &&
            f.rival.T_cam_obj.t_mm == row.T_cam_obj.t_mm && f.rival.T_cam_obj.R == row.T_cam_obj.R;
   });

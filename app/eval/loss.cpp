@@ -16,8 +16,6 @@ constexpr double kMeasuredShareMin = 0.15;
 constexpr double kAdvantageMin = 0.01;
 // Outlines count too: this much more of the truth's on edges tells it from the other pose.
 constexpr double kContourAdvantageMin = 0.10;
-// Of what the truth explains: from here on another pose stands in its place.
-constexpr double kInPlaceShare = 0.35;
 
 std::string percent(double share) {
   return fixed_digits(100 * share, std::abs(share) < 0.1 ? 1 : 0) + " %";
@@ -51,7 +49,7 @@ LossCause what_data_hide(const TargetFinding& t) {
     return {Loss::kData, away + "as well" + advantage};
   }
   const bool compared = t.rival.silhouette_px > 0;
-  if (f.has_rival && compared && f.rival_share > kInPlaceShare &&
+  if (f.has_rival && compared && f.rival_share > kOwnedShareMax &&
       !told_apart(t.rival, contour, f.rival.contour_support)) {
     return {Loss::kData,
             "the pose reported in its place fits the data as well (the truth's advantage: depth " +

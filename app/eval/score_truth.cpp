@@ -1,14 +1,13 @@
 #include "eval/score_truth.hpp"
 
 namespace binpick::app {
-namespace {
 
-bool inside(const Roi& roi, const Vec2& pixel) {
-  return roi.whole_image() || (roi.x <= pixel.x() && pixel.x() < roi.x + roi.width &&
-                               roi.y <= pixel.y() && pixel.y() < roi.y + roi.height);
+bool origin_inside(const CameraIntrinsics& camera, const Roi& roi, const Pose& T_cam_obj) {
+  if (roi.whole_image()) return true;
+  const Vec2 pixel = camera.project(T_cam_obj.t_mm);
+  return roi.x <= pixel.x() && pixel.x() < roi.x + roi.width && roi.y <= pixel.y() &&
+         pixel.y() < roi.y + roi.height;
 }
-
-}  // namespace
 
 TruthByFrame load_score_truth(const drivers::BopDataset& dataset, const drivers::BopScene& scene) {
   TruthByFrame frames;
@@ -20,8 +19,8 @@ TruthByFrame load_score_truth(const drivers::BopDataset& dataset, const drivers:
     }
     std::vector<ScoredInstance>& list = frames[{scene.scene_id, im_id}];
     for (const drivers::TruthInstance& t : instances) {
-      const Vec2 pixel = camera->second.intrinsics.project(t.T_cam_obj.t_mm);
-      list.push_back({t, inside(camera->second.roi, pixel)});
+      const drivers::FrameCamera& seen_by = camera->second;
+      list.push_back({t, origin_inside(seen_by.intrinsics, seen_by.roi, t.T_cam_obj)});
     }
   }
   return frames;

@@ -14,6 +14,9 @@ struct ScoredInstance {
   bool origin_in_roi = true;
 };
 
+// Whether the part's origin projects into the region of interest.
+bool origin_inside(const CameraIntrinsics& camera, const Roi& roi, const Pose& T_cam_obj);
+
 using TruthByFrame = std::map<drivers::FrameId, std::vector<ScoredInstance>>;
 
 // The truth of these scenes; where the data set lists its targets, of the frames listed. Throws

@@ -43,10 +43,6 @@ Roi window_of(const Frame& frame, const train::Mesh& mesh, const Pose& a, const 
   return {x0, y0, std::min(x1 - x0, kSidePxMax), std::min(y1 - y0, kSidePxMax)};
 }
 
-bool measured(float z) {
-  return std::isfinite(z) && z > 0;
-}
-
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -94,7 +90,7 @@ PoseComparison PoseComparer::compare(const Frame& frame, const train::Mesh& mesh
       const double a = static_cast<double>(first_.depth_mm[at(x, y)]);
       out.silhouette_px += a > 0;
       const float z = depth.at(x, y);
-      if (!(a > 0) || !measured(z)) continue;
+      if (!(a > 0) || !is_measured(z)) continue;
       const double r = static_cast<double>(z) - a;
       if (std::abs(r) < kPartMm) residuals.push_back(r);
     }
@@ -105,7 +101,7 @@ PoseComparison PoseComparer::compare(const Frame& frame, const train::Mesh& mesh
   for (int y = 0; y < window.height; ++y) {
     for (int x = 0; x < window.width; ++x) {
       const float z = depth.at(x, y);
-      if (!measured(z)) continue;
+      if (!is_measured(z)) continue;
       const double a = static_cast<double>(first_.depth_mm[at(x, y)]),
                    b = static_cast<double>(second_.depth_mm[at(x, y)]);
       const double mm = static_cast<double>(z);

@@ -15,17 +15,12 @@ struct DepthRange {
 };
 
 DepthRange stretch_of(ImageView<const float> depth_mm, const Roi& roi) {
-  const int x0 = roi.whole_image() ? 0 : std::clamp(roi.x, 0, depth_mm.width);
-  const int y0 = roi.whole_image() ? 0 : std::clamp(roi.y, 0, depth_mm.height);
-  const int x1 =
-      roi.whole_image() ? depth_mm.width : std::clamp(roi.x + roi.width, 0, depth_mm.width);
-  const int y1 =
-      roi.whole_image() ? depth_mm.height : std::clamp(roi.y + roi.height, 0, depth_mm.height);
+  const auto [x0, y0, x1, y1] = pixels_of(roi, depth_mm.width, depth_mm.height);
   std::vector<float> measured;
   for (int y = y0; y < y1; ++y) {
     for (int x = x0; x < x1; ++x) {
       const float z = depth_mm.at(x, y);
-      if (std::isfinite(z) && z > 0) measured.push_back(z);
+      if (is_measured(z)) measured.push_back(z);
     }
   }
   if (measured.empty()) return {};
@@ -60,7 +55,7 @@ Picture colour_map_depth(ImageView<const float> depth_mm, const Roi& roi) {
   for (int y = 0; y < depth_mm.height; ++y) {
     for (int x = 0; x < depth_mm.width; ++x) {
       const float z = depth_mm.at(x, y);
-      if (!std::isfinite(z) || z <= 0) continue;
+      if (!is_measured(z)) continue;
       const float share = std::clamp((z - range.near_mm) / span, 0.0f, 1.0f);
       const cv::Vec3b bgr = colours.at<cv::Vec3b>(0, static_cast<int>(255 * share));
       for (int c = 0; c < 3; ++c) picture.pixel(x, y)[c] = bgr[2 - c];

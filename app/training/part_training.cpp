@@ -24,30 +24,18 @@ ObjectModel parsed(const std::vector<std::uint8_t>& bytes) {
   return model.value();
 }
 
-Vec3 centre_of(const ModelInfo& info) {
-  Vec3 centre_mm;
-  for (int k = 0; k < 3; ++k) centre_mm[k] = (info.bounds_min_mm[k] + info.bounds_max_mm[k]) / 2;
-  return centre_mm;
-}
-
 // With the symmetries that training found, so that no pose is wrong that nobody can tell from
 // right.
 PartGeometry geometry_of(const ObjectModel& model, const train::Mesh& mesh) {
-  const ModelInfo& info = model.info();
-  const Vec3 centre_mm = centre_of(info);
+  const Vec3 centre_mm = model.centre_mm();
   drivers::BopModel part;
   part.obj_id = kPileObject;
-  part.diameter_mm = info.diameter_mm;
-  for (const SymmetryTurn& turn : model.symmetry().exact_turns) {
-    Pose move = move_of(turn);  // about the middle of the bounding box
-    move.t_mm += centre_mm - move.R * centre_mm;
-    part.symmetries_discrete.push_back(move);
-  }
+  part.diameter_mm = model.info().diameter_mm;
+  for (const SymmetryTurn& turn : model.symmetry().exact_turns)
+    part.symmetries_discrete.push_back(in_cad(move_of(turn), centre_mm));
   for (const SymmetryAxis& axis : model.symmetry().exact_axes) {
-    const auto at = [](const float* v) {
-      return Eigen::Map<const Eigen::Vector3f>(v).cast<double>();
-    };
-    part.symmetries_continuous.push_back({at(axis.axis), at(axis.point_mm) + centre_mm});
+    part.symmetries_continuous.push_back(
+        {vector_of(axis.axis), vector_of(axis.point_mm) + centre_mm});
   }
   return PartGeometry(part, mesh);
 }
@@ -66,7 +54,7 @@ void calibrate(const ObjectModel& model, const PartGeometry& geometry,
   const PileTrial both = run_trial(model, piles, TrialSees::kDepthAndIntensity, pool);
   trials.with_intensity = score_of(both, geometry);
   trials.depth_alone = score_of(run_trial(model, piles, TrialSees::kDepthAlone, pool), geometry);
-  if (const auto growth = growth_of_variance(both, geometry, centre_of(model.info()))) {
+  if (const auto growth = growth_of_variance(both, geometry, model.centre_mm())) {
     trials.variance_scale = model.trials().variance_scale * *growth;
   }
 }

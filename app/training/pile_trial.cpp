@@ -27,13 +27,7 @@ DetectorLimits limits_of(const std::vector<SimulatedPile>& piles) {
 std::vector<ScoredInstance> scored(const SimulatedPile& pile) {
   std::vector<ScoredInstance> out;
   for (const drivers::TruthInstance& truth : pile.truth) {
-    const Vec3& t = truth.T_cam_obj.t_mm;
-    const CameraIntrinsics& camera = pile.frame.camera;
-    const double u = camera.fx * t.x() / t.z() + camera.cx;
-    const double v = camera.fy * t.y() / t.z() + camera.cy;
-    const Roi& roi = pile.frame.roi;
-    const bool inside = u >= roi.x && u < roi.x + roi.width && v >= roi.y && v < roi.y + roi.height;
-    out.push_back({truth, inside});
+    out.push_back({truth, origin_inside(pile.frame.camera, pile.frame.roi, truth.T_cam_obj)});
   }
   return out;
 }

@@ -1,6 +1,5 @@
 #include "detect/acceptance.hpp"
 
-#include "pose/ray_pose.hpp"
 #include "pose/uncertainty.hpp"
 
 namespace binpick {
@@ -24,7 +23,7 @@ Detection detection_of(std::span<const ObjectModel> models, const Scene& scene,
   Detection d;
   d.model_index = h.candidate.model;
   d.T_cam_obj = h.T_cam_centre;
-  d.T_cam_obj.t_mm -= h.T_cam_centre.R * centre_offset(model);
+  d.T_cam_obj.t_mm -= h.T_cam_centre.R * model.centre_mm();
   d.score_terms = terms_of(h);
   d.uncertainty =
       pose_uncertainty(model, scene, refine_params(model, h.T_cam_centre), h.T_cam_centre);

@@ -9,10 +9,6 @@
 
 namespace binpick {
 
-// Measured pixels that a better detection explains already: beyond this share it is the same part
-// again.
-inline constexpr double kOwnedShareMax = 0.35;
-
 // What a pose's own evidence says against reporting it; nothing where it is good.
 std::optional<DropReason> objection_to(const Hypothesis& h, double min_score);
 

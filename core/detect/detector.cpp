@@ -195,26 +195,25 @@ int Detector::Impl::estimate_poses(int count, const Deadline& deadline,
   auto observe = [&](Checkpoint checkpoint) {
     if (request.observer) request.observer->hypotheses(checkpoint, living());
   };
+  auto drop_repeated = [&] {
+    count = timed(Stage::kSuppress, report,
+                  [&] { return suppress(end, living(), kPerPlaceAfterIcp, report); });
+  };
   timed(Stage::kPnp, report, [&] { run_pnp(pnp_end, living()); });
   observe(Checkpoint::kPnp);
   timed(Stage::kIcp, report, [&] { run_icp(icp_end, living()); });
   observe(Checkpoint::kIcp);
   timed(Stage::kVerify, report, [&] { run_verify(check_end, living()); });
-  count = timed(Stage::kSuppress, report,
-                [&] { return suppress(end, living(), kPerPlaceAfterIcp, report); });
+  drop_repeated();
   observe(Checkpoint::kIcpSelected);
   timed(Stage::kRefine, report, [&] { run_refine(refine_end, living()); });
   observe(Checkpoint::kRefined);
   timed(Stage::kVerify, report, [&] { run_verify(end, living()); });
-  count = timed(Stage::kSuppress, report,
-                [&] { return suppress(end, living(), kPerPlaceAfterIcp, report); });
+  drop_repeated();
   const SettleOutcome settled =
       timed(Stage::kVerify, report, [&] { return settle_near_poses(end, living()); });
   report.cut_short |= settled.cut_short;
-  if (settled.changed) {
-    count = timed(Stage::kSuppress, report,
-                  [&] { return suppress(end, living(), kPerPlaceAfterIcp, report); });
-  }
+  if (settled.changed) drop_repeated();
   observe(Checkpoint::kRefinedSelected);
   return count;
 }

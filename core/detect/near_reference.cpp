@@ -26,7 +26,7 @@ Vec2 pixel_of(const Candidate& c) {
 
 double reference_error(const ObjectModel& model, const ReferencePose& reference,
                        const Pose& T_cam_centre, double position_mm, double angle_rad) {
-  const Vec3 centre = centre_offset(model);
+  const Vec3 centre = model.centre_mm();
   const Vec3 origin = T_cam_centre.t_mm - T_cam_centre.R * centre;
   double best = 1e9;
   for (const Pose& known : reference.poses) {
@@ -55,7 +55,7 @@ NearCandidate::NearCandidate(const ObjectModel& model, const ReferencePose& refe
       depth_(depth),
       radius_rad_(node_radius_rad(model, depth)),
       spread_px_(0) {
-  const Vec3 centre = centre_offset(model);
+  const Vec3 centre = model.centre_mm();
   const CameraIntrinsics& camera = pyramid.level(0).camera;
   pixel_ = camera.project(reference.poses.front() * centre);
   for (const Pose& p : reference.poses)
@@ -68,7 +68,7 @@ bool NearCandidate::operator()(const Candidate& c) const {
   if ((at - pixel_).squaredNorm() > (limit_px + spread_px_) * (limit_px + spread_px_)) return false;
   const Mat3 R = candidate_pose(model_, depth_, c, pyramid_).R;
   return std::any_of(reference_.poses.begin(), reference_.poses.end(), [&](const Pose& known) {
-    const Vec2 seen = pyramid_.level(0).camera.project(known * centre_offset(model_));
+    const Vec2 seen = pyramid_.level(0).camera.project(known * model_.centre_mm());
     return (at - seen).norm() <= limit_px && rotation_angle_between(R, known.R) <= radius_rad_;
   });
 }

@@ -61,7 +61,7 @@ class Starter {
   // As one of the model's viewpoints shows it.
   Pose centre_pose() const {
     Pose T = reference_.poses.front();
-    T.t_mm += T.R * centre_offset(model_);
+    T.t_mm += T.R * model_.centre_mm();
     return cycle_.moves[static_cast<std::size_t>(reference_.model_index)].canonical(model_, T);
   }
 

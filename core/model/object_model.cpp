@@ -240,6 +240,12 @@ double ObjectModel::roll_rad(int d, int roll) const {
   return (roll + 0.5) * 2 * std::numbers::pi / depths_[d].roll_count;
 }
 
+Vec3 ObjectModel::centre_mm() const {
+  Vec3 centre;
+  for (int k = 0; k < 3; ++k) centre[k] = (info_->bounds_min_mm[k] + info_->bounds_max_mm[k]) / 2;
+  return centre;
+}
+
 Mat3 ObjectModel::rotation(int d, int viewpoint, int roll) const {
   const Viewpoint& v = depths_[d].viewpoints[static_cast<std::size_t>(viewpoint)];
   Mat3 R;

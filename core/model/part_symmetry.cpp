@@ -3,16 +3,16 @@
 namespace binpick {
 namespace {
 
-Vec3 vector_of(const float* v) {
-  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
-}
-
 Pose screw(const Vec3& axis, const Vec3& point_mm, double angle_rad, double shift_mm) {
   const Mat3 R = rotation_from_vector(axis * angle_rad);
   return {R, point_mm - R * point_mm + shift_mm * axis};
 }
 
 }  // namespace
+
+Vec3 vector_of(const float (&v)[3]) {
+  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+}
 
 Pose move_of(const SymmetryTurn& t) {
   return screw(vector_of(t.axis), vector_of(t.point_mm), static_cast<double>(t.angle_rad),
@@ -21,6 +21,10 @@ Pose move_of(const SymmetryTurn& t) {
 
 Pose move_about(const SymmetryAxis& a, double angle_rad) {
   return screw(vector_of(a.axis), vector_of(a.point_mm), angle_rad, 0);
+}
+
+Pose in_cad(const Pose& move, const Vec3& centre_mm) {
+  return {move.R, move.t_mm + centre_mm - move.R * centre_mm};
 }
 
 }  // namespace binpick

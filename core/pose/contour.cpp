@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "pose/view_lookup.hpp"
 
@@ -85,6 +86,15 @@ ContourMatch match_contour(const ContourPlace& place, const Scene& scene, int ra
   m.found = true;
   m.offset_px = offset;
   return m;
+}
+
+int edge_direction(const Vec2& normal) {
+  return static_cast<int>(std::atan2(normal.y(), normal.x()) * 8 / std::numbers::pi + 16.5) & 7;
+}
+
+unsigned edge_directions_near(const Vec2& normal) {
+  const int bin = edge_direction(normal);
+  return (1u << bin) | (1u << ((bin + 1) & 7)) | (1u << ((bin + 7) & 7));
 }
 
 int add_contour_residuals(const Viewpoint& view, const ObjectModel& model, const Scene& scene,

@@ -28,6 +28,11 @@ ContourPlace place_contour(const ContourSample& sample, const Scene& scene,
 // either side.
 ContourMatch match_contour(const ContourPlace& place, const Scene& scene, int range_px);
 
+// Edges are told apart by eight directions, as bits (features/orientation). Which of them an edge
+// across a unit normal has, and that one with its neighbours.
+int edge_direction(const Vec2& normal);
+unsigned edge_directions_near(const Vec2& normal);
+
 // Adds the point-to-line reprojection residuals (px) of one pass, each divided by sigma_px, with
 // Geman-McClure weights of scale range_px. Returns how many contour points found an edge.
 int add_contour_residuals(const Viewpoint& view, const ObjectModel& model, const Scene& scene,

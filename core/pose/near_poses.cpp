@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "pose/pose_duel.hpp"
-#include "pose/refine.hpp"
 
 namespace binpick {
 namespace {
@@ -88,8 +87,8 @@ void offer_steps(Challenge& challenge, const Hypothesis& found, const Pose& from
 }
 
 bool settle(const PoseContext& context, Hypothesis& h) {
-  const PartMoves& moves = context.moves[h.candidate.model];
   Challenge challenge(context, h);
+  const PartMoves& moves = challenge.moves;
   Best best;
   for (const Pose& move : moves.near_turns()) offer(challenge, h, h.T_cam_centre * move, best);
   const bool flipped = best.odds > kOddsMin;

@@ -48,10 +48,8 @@ PartMoves::PartMoves(const ObjectModel& model, Arena& arena)
   axis_count_ = static_cast<int>(std::min<std::size_t>(symmetry.exact_axes.size(), 2));
   if (axis_count_ > 0) {
     const SymmetryAxis& a = symmetry.exact_axes.front();
-    axis_ = Vec3(static_cast<double>(a.axis[0]), static_cast<double>(a.axis[1]),
-                 static_cast<double>(a.axis[2]));
-    point_mm_ = Vec3(static_cast<double>(a.point_mm[0]), static_cast<double>(a.point_mm[1]),
-                     static_cast<double>(a.point_mm[2]));
+    axis_ = vector_of(a.axis);
+    point_mm_ = vector_of(a.point_mm);
     reach_mm_ += 2 * point_mm_.norm();
   }
   std::size_t count = 0;

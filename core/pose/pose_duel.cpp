@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "pose/contour.hpp"
 #include "pose/verify.hpp"
@@ -29,10 +28,6 @@ int cell_of(const PredictionGrid& grid, const Vec2& depth_px, int& x, int& y) {
   x = static_cast<int>(std::floor((depth_px.x() - grid.left) / grid.step + 0.5));
   y = static_cast<int>(std::floor((depth_px.y() - grid.top) / grid.step + 0.5));
   return x >= 1 && y >= 1 && x < kCells - 1 && y < kCells - 1 ? y * kCells + x : -1;
-}
-
-int direction_bin(const Vec2& normal) {
-  return static_cast<int>(std::atan2(normal.y(), normal.x()) * 8 / std::numbers::pi + 16.5) & 7;
 }
 
 // Paints the patch of surface that a sample stands for.
@@ -64,9 +59,8 @@ void paint(const Scene& scene, const PredictionGrid& grid, const Vec3& p, const 
   }
 }
 
-void mark_edge(int cell, int bin, PosePrediction& out) {
-  const auto bits =
-      static_cast<std::uint8_t>((1u << bin) | (1u << ((bin + 1) & 7)) | (1u << ((bin + 7) & 7)));
+void mark_edge(int cell, const Vec2& normal_px, PosePrediction& out) {
+  const auto bits = static_cast<std::uint8_t>(edge_directions_near(normal_px));
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
       std::uint8_t& at = out.edges[static_cast<std::size_t>(cell + dy * kCells + dx)];
@@ -155,7 +149,7 @@ double contour_odds(const ObjectModel& model, const Scene& scene, const Predicti
     const int cell = cell_of(grid, scene.depth.camera.project(place.point_cam), x, y);
     if (cell < 0) continue;
     const auto at = static_cast<std::size_t>(cell);
-    if ((other.edges[at] & (1u << direction_bin(place.normal_px))) != 0) continue;
+    if ((other.edges[at] & (1u << edge_direction(place.normal_px))) != 0) continue;
     sum += contour_value(scene, place, outline, tolerance_mm);
   }
   return sum;
@@ -185,8 +179,7 @@ void predict(const ObjectModel& model, const Scene& scene, const PredictionGrid&
     const ContourPlace place = place_contour(s, scene, T, kContourRangePx, tolerance_mm);
     int x = 0, y = 0;
     const int cell = cell_of(grid, scene.depth.camera.project(T * position_of(s)), x, y);
-    if (cell >= 0 && !place.normal_px.isZero())
-      mark_edge(cell, direction_bin(place.normal_px), out);
+    if (cell >= 0 && !place.normal_px.isZero()) mark_edge(cell, place.normal_px, out);
   }
   mark_rims(2 * scene.depth_error_mm(T.t_mm.z()) + spacing_mm, out);
 }

@@ -14,11 +14,4 @@ Pose candidate_pose(const ObjectModel& model, int depth, const Candidate& c,
                 model.distance_mm(depth, c.distance));
 }
 
-Vec3 centre_offset(const ObjectModel& model) {
-  const ModelInfo& i = model.info();
-  return {(i.bounds_min_mm[0] + i.bounds_max_mm[0]) / 2,
-          (i.bounds_min_mm[1] + i.bounds_max_mm[1]) / 2,
-          (i.bounds_min_mm[2] + i.bounds_max_mm[2]) / 2};
-}
-
 }  // namespace binpick

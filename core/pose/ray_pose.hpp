@@ -16,7 +16,4 @@ Pose candidate_pose(const ObjectModel& model, int depth, const Candidate& candid
 // The same with another distance along the ray.
 Pose on_ray(const Mat3& R_template, const Vec3& ray, double distance_mm);
 
-// Offset of the part's centre from its CAD origin, in object coordinates.
-Vec3 centre_offset(const ObjectModel& model);
-
 }  // namespace binpick

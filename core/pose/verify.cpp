@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "pose/view_lookup.hpp"
 
@@ -114,10 +113,7 @@ bool on_depth_edge(const Scene& scene, const Vec3& point_cam, const Vec2& normal
   const std::ptrdiff_t stride = level.stride;
   const std::uint8_t* at = level.depth_edges + v * stride + u;
   const unsigned steps = static_cast<unsigned>(at[0] | at[-1] | at[1] | at[-stride] | at[stride]);
-  const double turn = std::atan2(normal.y(), normal.x()) * 8 / std::numbers::pi + 16.5;
-  const int bin = static_cast<int>(turn) & 7;
-  const unsigned near = (1u << bin) | (1u << ((bin + 1) & 7)) | (1u << ((bin + 7) & 7));
-  return (steps & near) != 0;
+  return (steps & edge_directions_near(normal)) != 0;
 }
 
 bool surface_continues(const Scene& scene, const ContourPlace& place, double tolerance_mm) {

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "bracket.hpp"
-#include "pose/ray_pose.hpp"
 #include "pose/refine.hpp"
 #include "pose/scene.hpp"
 
@@ -27,7 +26,7 @@ struct OnePart {
         plan{images.camera.width, images.camera.height, 3, 64, {}},
         arena(FeaturePyramid::footprint(plan)),
         pyramid(plan, arena),
-        truth{T_cam_obj.R, T_cam_obj * centre_offset(bracket_model())} {
+        truth{T_cam_obj.R, T_cam_obj * bracket_model().centre_mm()} {
     SerialPool pool;
     pyramid.build(images.frame(), {0, 0, images.camera.width / 4 * 4, images.camera.height / 4 * 4},
                   NormalCodebook::kHemisphere, simd::make_kernel_table(Isa::kBest), pool);

@@ -8,7 +8,6 @@
 
 #include "binpick/detect/detector.hpp"
 #include "pose/pose_duel.hpp"
-#include "pose/ray_pose.hpp"
 #include "symmetry_rows.hpp"
 
 namespace binpick {
@@ -36,7 +35,7 @@ struct OneBracket {
         arena(FeaturePyramid::footprint(plan) + moves_bytes()),
         pyramid(plan, arena),
         moves{PartMoves(part().model(), arena)},
-        truth{T_cam_obj.R, T_cam_obj * centre_offset(part().model())} {
+        truth{T_cam_obj.R, T_cam_obj * part().model().centre_mm()} {
     pyramid.build(images.frame(), {0, 0, images.camera.width / 4 * 4, images.camera.height / 4 * 4},
                   NormalCodebook::kHemisphere, simd::make_kernel_table(Isa::kBest), pool);
   }

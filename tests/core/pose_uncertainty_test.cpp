@@ -5,7 +5,6 @@
 
 #include "bracket.hpp"
 #include "detect/detector_plan.hpp"
-#include "pose/ray_pose.hpp"
 #include "pose/uncertainty.hpp"
 #include "threads_per_call.hpp"
 
@@ -38,7 +37,7 @@ PoseUncertainty uncertainty_at(const BracketScene& scene, const Pose& T_cam_obj)
   const ObjectModel& model = bracket_model();
   const SeenScene seen(scene);
   Pose T = T_cam_obj;
-  T.t_mm += T.R * centre_offset(model);
+  T.t_mm += T.R * model.centre_mm();
   return pose_uncertainty(model, Scene(seen.pyramid), refine_params(model, T), T);
 }
 

@@ -2,6 +2,8 @@
 // Frame borrows its pixels; who fills the buffers keeps them alive for the call.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "binpick/frame/image_view.hpp"
@@ -15,9 +17,25 @@ struct Roi {
   bool whole_image() const { return width <= 0 || height <= 0; }
 };
 
+// The pixels of an image that a region takes in, from the first to one beyond the last.
+struct PixelRange {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  bool empty() const { return x0 >= x1 || y0 >= y1; }
+};
+inline PixelRange pixels_of(const Roi& roi, int width, int height) {
+  if (roi.whole_image()) return {0, 0, width, height};
+  const int x0 = std::clamp(roi.x, 0, width), y0 = std::clamp(roi.y, 0, height);
+  return {x0, y0, std::clamp(roi.x + roi.width, x0, width),
+          std::clamp(roi.y + roi.height, y0, height)};
+}
+
+// No measurement is 0; NaN, infinite and negative values are read as no measurement too.
+inline bool is_measured(float depth_mm) {
+  return std::isfinite(depth_mm) && depth_mm > 0;
+}
+
 struct Frame {
-  // Distance along the optical axis in mm, registered to the intensity image. No measurement is 0;
-  // NaN, infinite and negative values are read as no measurement too.
+  // Distance along the optical axis in mm, registered to the intensity image; see is_measured().
   ImageView<const float> depth_mm;
   // 8-bit gray, same size as the depth. Empty where the sensor has none.
   ImageView<const std::uint8_t> intensity;

@@ -103,6 +103,7 @@ class ObjectModel {
   static Result<ObjectModel> parse(std::span<const std::uint8_t> bytes);
 
   const ModelInfo& info() const { return *info_; }
+  Vec3 centre_mm() const;  // of the bounding box, in the CAD's coordinates
   const ModelTrials& trials() const { return *trials_; }
   int depth_count() const { return info_->depth_count; }
   const TreeDepth& depth(int d) const { return depths_[d]; }

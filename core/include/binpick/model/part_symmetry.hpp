@@ -44,8 +44,13 @@ struct PartSymmetry {
   std::span<const SymmetryAxis> exact_axes, near_axes;
 };
 
+// An axis or a point of the above.
+Vec3 vector_of(const float (&v)[3]);
+
 // x -> move * x brings the part onto itself: T_cam_centre * move looks like T_cam_centre.
 Pose move_of(const SymmetryTurn& turn);
 Pose move_about(const SymmetryAxis& axis, double angle_rad);
+// The same move in the CAD's coordinates, where the middle of the bounding box lies at centre_mm.
+Pose in_cad(const Pose& move, const Vec3& centre_mm);
 
 }  // namespace binpick

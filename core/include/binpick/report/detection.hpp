@@ -43,6 +43,10 @@ struct Detection {
   PoseUncertainty uncertainty;
 };
 
+// Measured pixels that a better detection explains already: beyond this share it is the same part
+// again.
+inline constexpr double kOwnedShareMax = 0.35;
+
 // Why a candidate did not become a detection.
 enum class DropReason : int {
   kBelowMatchThreshold = 0,  // template score too low at its level
