@@ -26,7 +26,7 @@ Detection detection_of(std::span<const ObjectModel> models, const Scene& scene,
   d.T_cam_obj.t_mm -= h.T_cam_centre.R * model.centre_mm();
   d.score_terms = terms_of(h);
   d.uncertainty =
-      pose_uncertainty(model, scene, refine_params(model, h.T_cam_centre), h.T_cam_centre);
+      pose_uncertainty(model, scene, refine_params(model, scene, h.T_cam_centre), h.T_cam_centre);
   d.score = h.score;
   d.visible_fraction = h.evidence.visible_fraction();
   d.depth_support = h.evidence.depth_support();

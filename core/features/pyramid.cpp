@@ -59,6 +59,12 @@ float merged_depth(const float (&z)[4]) {
   return far_sum / static_cast<float>(far_count);
 }
 
+template <class Source>
+std::span<float> take_noise_scratch(const PyramidPlan& plan, Source& source) {
+  return source.template take<float>(static_cast<std::size_t>(
+      noise_scratch_size(plan.width_max >> kFeatureLevel, plan.height_max >> kFeatureLevel)));
+}
+
 struct LevelMemory {
   std::span<std::uint8_t> gray, valid, depth_edges, gradient, normal, blocks;
   std::span<float> depth, nx, ny;
@@ -89,11 +95,13 @@ LevelMemory take_level(const PyramidPlan& plan, int l, Source& source) {
 
 std::size_t FeaturePyramid::footprint(const PyramidPlan& plan) {
   ArenaPlan counted;
+  take_noise_scratch(plan, counted);
   for (int l = 0; l < plan.level_count; ++l) take_level(plan, l, counted);
   return counted.bytes;
 }
 
-FeaturePyramid::FeaturePyramid(const PyramidPlan& plan, Arena& arena) : plan_(plan) {
+FeaturePyramid::FeaturePyramid(const PyramidPlan& plan, Arena& arena)
+    : plan_(plan), noise_scratch_(take_noise_scratch(plan, arena)) {
   BINPICK_ASSERT(plan.level_count > kFeatureLevel && plan.level_count <= kPyramidLevelsMax &&
                  plan.border % 4 == 0);
   for (int l = 0; l < plan.level_count; ++l) {
@@ -140,6 +148,9 @@ void FeaturePyramid::build(const Frame& frame, const Roi& region, NormalCodebook
   depth_valid_ = !frame.depth_mm.empty();
   copy_level_zero(frame, pool);
   for (int l = 1; l < plan_.level_count; ++l) halve(l, pool);
+  const PyramidLevel& fitted = levels_[kFeatureLevel];
+  depth_noise_ = estimate_depth_noise({fitted.depth_mm, fitted.width, fitted.height, fitted.stride},
+                                      noise_scratch_, pool);
   fit_normals(pool);
   for (int l = kFeatureLevel + 1; l < plan_.level_count; ++l) pool_normals(l, pool);
   for (int l = 0; l < plan_.level_count; ++l) {
@@ -251,6 +262,7 @@ void FeaturePyramid::find_edges(const simd::KernelTable& kernels, WorkerPool& po
   std::uint8_t* thin =
       normal_maps_[kFeatureLevel] + (level.plain.normal - normal_maps_[kFeatureLevel]);
   const bool has_depth = depth_valid_;
+  const auto noise = static_cast<float>(depth_noise_.of_neighbours);
   std::memset(level.depth_edges, 0, static_cast<std::size_t>(level.stride * level.height));
   for_rows(pool, level.height, [&](int y) {
     if (y < 1 || y >= level.height - 1) return;
@@ -260,7 +272,7 @@ void FeaturePyramid::find_edges(const simd::KernelTable& kernels, WorkerPool& po
                          threshold * threshold, bits);
     std::uint8_t* steps = level.depth_edges + y * level.stride;
     for (int x = 1; x < level.width - 1; ++x) {
-      const DepthStep step = depth_step(depth, x, y);
+      const DepthStep step = depth_step(depth, x, y, noise);
       if (!step.edge) continue;
       steps[x] = gradient_bit(static_cast<std::int32_t>(step.gx * 1024),
                               static_cast<std::int32_t>(step.gy * 1024));

@@ -11,6 +11,7 @@
 #include "binpick/base/worker_pool.hpp"
 #include "binpick/frame/frame.hpp"
 #include "binpick/model/normal_codebook.hpp"
+#include "features/depth_noise.hpp"
 #include "simd/kernels.hpp"
 
 namespace binpick {
@@ -56,6 +57,8 @@ class FeaturePyramid {
   int level_count() const { return plan_.level_count; }
   const Roi& region() const { return region_; }
   bool with_intensity() const { return with_intensity_; }  // the frame has an intensity image
+  // Of the depth of kFeatureLevel.
+  const DepthNoise& depth_noise() const { return depth_noise_; }
 
  private:
   void copy_level_zero(const Frame& frame, WorkerPool& pool);
@@ -77,6 +80,8 @@ class FeaturePyramid {
   std::uint8_t* block_maps_[kPyramidLevelsMax] = {};
   std::size_t map_bytes_[kPyramidLevelsMax] = {};
   Roi region_;
+  std::span<float> noise_scratch_;
+  DepthNoise depth_noise_;
   bool depth_valid_ = false;
   bool with_intensity_ = false;
 };

@@ -4,6 +4,12 @@
 #include <cmath>
 
 namespace binpick {
+namespace {
+
+// Four standard deviations of a second difference.
+constexpr float kStepInNoise = 10;
+
+}  // namespace
 
 RayNormal fit_ray_normal(ImageView<const float> depth_mm, const CameraIntrinsics& camera, int x,
                          int y) {
@@ -49,11 +55,11 @@ RayNormal fit_ray_normal(ImageView<const float> depth_mm, const CameraIntrinsics
   return out;
 }
 
-DepthStep depth_step(ImageView<const float> depth_mm, int x, int y) {
+DepthStep depth_step(ImageView<const float> depth_mm, int x, int y, float noise) {
   const float z = depth_mm.at(x, y);
   DepthStep out;
   if (!(z > 0)) return out;
-  const float per_step = 1 / (z * kDepthEdgeRatio);
+  const float per_step = 1 / (z * std::max(kDepthEdgeRatio, kStepInNoise * noise * z));
   float d[3][3];
   for (int j = 0; j < 3; ++j) {
     const float* row = depth_mm.row(y + j - 1) + x - 1;

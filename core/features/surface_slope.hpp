@@ -31,11 +31,12 @@ RayNormal fit_ray_normal(ImageView<const float> depth_mm, const CameraIntrinsics
 
 // Direction (gx, gy) of the depth step at (x, y), towards the far side, or (0, 0) where there is
 // none. Only pixels on the near side of a step have one; missing depth counts as far. In units of
-// the smallest step, at most 16 each. (x, y) at least 1 px from the border.
+// the smallest step, at most 16 each. `noise`: standard deviation of 1/z in 1/mm; steps that it may
+// be the cause of are none. (x, y) at least 1 px from the border.
 struct DepthStep {
   float gx = 0, gy = 0;
   bool edge = false;
 };
-DepthStep depth_step(ImageView<const float> depth_mm, int x, int y);
+DepthStep depth_step(ImageView<const float> depth_mm, int x, int y, float noise = 0);
 
 }  // namespace binpick

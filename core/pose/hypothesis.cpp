@@ -88,14 +88,14 @@ void run_icp(const PoseContext& context, std::span<Hypothesis> hypotheses) {
     params.sample_step = 2;
     params.gate_start_mm =
         std::max(0.08 * model.info().diameter_mm, 0.004 * h.T_cam_centre.t_mm.z());
-    params.gate_end_mm = std::max(0.02 * model.info().diameter_mm, 0.002 * h.T_cam_centre.t_mm.z());
+    params.gate_end_mm = refine_params(model, context.scene, h.T_cam_centre).depth_gate_mm;
     const IcpResult result = icp(model, context.scene, params, h.T_cam_centre);
     if (result.pairs < 10 || !sane(h.T_cam_centre)) h.drop(DropReason::kPoseDiverged);
   });
 }
 
 bool refine_pose(const PoseContext& context, const ObjectModel& model, Pose& T_cam_centre) {
-  refine(model, context.scene, refine_params(model, T_cam_centre), T_cam_centre);
+  refine(model, context.scene, refine_params(model, context.scene, T_cam_centre), T_cam_centre);
   return sane(T_cam_centre);
 }
 

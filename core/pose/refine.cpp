@@ -1,14 +1,17 @@
 #include "pose/refine.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pose/view_lookup.hpp"
 
 namespace binpick {
 
-RefineParams refine_params(const ObjectModel& model, const Pose& T) {
+RefineParams refine_params(const ObjectModel& model, const Scene& scene, const Pose& T) {
+  const double z_mm = T.t_mm.z();
   RefineParams params;
-  params.depth_gate_mm = std::max(0.02 * model.info().diameter_mm, 0.002 * T.t_mm.z());
+  params.depth_gate_mm =
+      std::max({0.02 * model.info().diameter_mm, 0.002 * z_mm, 3 * scene.depth_noise_mm(z_mm)});
   return params;
 }
 

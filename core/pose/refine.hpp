@@ -15,8 +15,8 @@ struct RefineParams {
   double contour_sigma_px = 1.0;
 };
 
-// With the gate for this part at this distance.
-RefineParams refine_params(const ObjectModel& model, const Pose& T_cam_centre);
+// With the gate for this part at this distance in this frame.
+RefineParams refine_params(const ObjectModel& model, const Scene& scene, const Pose& T_cam_centre);
 
 // The residuals of one pass, depth and contour, at a pose; how many there are.
 int add_residuals(const ObjectModel& model, const Scene& scene, const RefineParams& params,

@@ -2,6 +2,7 @@
 // here are of the part's centre in the camera of the cropped region.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "features/pyramid.hpp"
@@ -12,18 +13,23 @@ struct Scene {
   const PyramidLevel& depth;      // level at which normals were fitted: depth averaged over 2x2 px
   const PyramidLevel& intensity;  // level 0
   const bool with_intensity;      // level 0 shows something
+  const double noise;             // of the depth: standard deviation of 1/z, 1/mm
 
   explicit Scene(const FeaturePyramid& pyramid)
       : depth(pyramid.level(kFeatureLevel)),
         intensity(pyramid.level(0)),
-        with_intensity(pyramid.with_intensity()) {}
+        with_intensity(pyramid.with_intensity()),
+        noise(pyramid.depth_noise().of_patches) {}
 
   // Depth error to reckon with at one point, shape distorted by the sensor's window included. A
   // triangulating sensor finds its matches to a fraction of a pixel, and its baseline is a fraction
-  // of the distance: the product is about the width that a pixel covers on the surface.
-  double depth_error_mm(double depth_mm) const { return 1.1 * depth_mm / intensity.camera.fx; }
+  // of the distance: the product is about the width that a pixel covers on the surface. A sensor
+  // whose frame scatters more than that allows is reckoned with as it is.
+  double depth_error_mm(double depth_mm) const { return 2.2 * depth_noise_mm(depth_mm); }
   // Its random part, which averages out over a surface.
-  double depth_noise_mm(double depth_mm) const { return 0.5 * depth_mm / intensity.camera.fx; }
+  double depth_noise_mm(double depth_mm) const {
+    return std::max(0.5 * depth_mm / intensity.camera.fx, DepthNoise::mm(noise, depth_mm));
+  }
 
   // At a pixel of the depth level; 0 where there is no measurement, and outside.
   double depth_at(int u, int v) const {
