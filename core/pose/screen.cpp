@@ -19,6 +19,10 @@ constexpr double kSeenEnough = 0.3;
 // Candidates nearer to each other than this are one: half a leaf's spacing.
 constexpr double kSameRotation = 5 * std::numbers::pi / 180;
 constexpr double kSamePositionShare = 0.03;  // of the diameter
+// Of a part that shows well hundreds of neighbouring templates fit: a few of them are as good a
+// start, and leave room for parts that show less.
+constexpr double kSamePlaceShare = 0.25;  // of the diameter, between centres
+constexpr int kPerPlace = 10;
 
 // At how much of the surface the measured one lies and faces the same way: fully up to 37 degrees
 // apart, not at all from 90. The share of what is measured and not hidden, times the root of the
@@ -93,13 +97,20 @@ int screen_candidates(const PoseContext& context, std::span<const Candidate> lea
       count_drop(report, h.drop_reason);
     } else if (kept == out.size()) {
       count_drop(report, DropReason::kLevelLimit);
-    } else if (std::any_of(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(kept),
-                           [&](const Hypothesis& better) {
-                             return same_pose(context.moves, better, h, limit_mm, kSameRotation);
-                           })) {
-      count_drop(report, DropReason::kDuplicate);
     } else {
-      out[kept++] = h;
+      const double place_mm =
+          kSamePlaceShare * context.models[h.candidate.model].info().diameter_mm;
+      int here = 0;
+      bool repeated = false;
+      for (std::size_t k = 0; k < kept && !repeated; ++k) {
+        repeated = same_pose(context.moves, out[k], h, limit_mm, kSameRotation);
+        here += (out[k].T_cam_centre.t_mm - h.T_cam_centre.t_mm).norm() < place_mm;
+      }
+      if (repeated || here >= kPerPlace) {
+        count_drop(report, repeated ? DropReason::kDuplicate : DropReason::kLevelLimit);
+      } else {
+        out[kept++] = h;
+      }
     }
   }
   return static_cast<int>(kept);
