@@ -18,6 +18,7 @@
 #include "eval/fault_analysis.hpp"
 #include "eval/fault_pictures.hpp"
 #include "eval/fault_tables.hpp"
+#include "eval/reliability_tables.hpp"
 #include "eval/report_html.hpp"
 #include "eval/report_pictures.hpp"
 #include "eval/sweep.hpp"
@@ -184,6 +185,8 @@ int run(const Options& options) {
   } else {
     std::printf("%s\n", score_table(score).c_str());
   }
+  const std::vector<Reliability> reliability = find_reliability(score, run.rows, options.threshold);
+  if (!reliability.empty()) std::printf("%s\n", reliability_table(reliability).c_str());
   std::printf("%s\n%s", stage_table(lines).c_str(), level_table(lines).c_str());
   std::vector<PartFaults> faults;
   if (options.oracle && !s.plan.truth.empty()) {
@@ -195,6 +198,7 @@ int run(const Options& options) {
   const auto facts = facts_of(options);
   if (!options.json.empty()) {
     nlohmann::json out = eval_to_json(score, run, outcome.models, facts);
+    out["reliability"] = reliability_to_json(reliability);
     if (!faults.empty()) out["oracle"] = faults_to_json(faults, run.rows);
     if (!curves.empty()) out["sweep"] = sweep_to_json(curves, outcome.sweep.noise_mm());
     write_text(options.json, out.dump(1) + "\n");
@@ -209,6 +213,7 @@ int run(const Options& options) {
     content.faults = run.faults;
     content.reach = reach_section_html(faults);
     content.causes = cause_section_html(faults, s.plan.truth, run.rows);
+    content.reliability = reliability_section_html(reliability);
     content.curves = sweep_section_html(curves, outcome.sweep.noise_mm());
     content.fault_pictures =
         fault_pictures(s.dataset, s.plan, s.parts, faults, run.rows, kCropsMax);
@@ -257,7 +262,7 @@ void add_eval_command(CLI::App& app, int& exit_status) {
       ->capture_default_str();
   command
       ->add_option("--threshold", o->threshold,
-                   "Score at which F1 is reported besides the best one")
+                   "Score at which F1 and precision are reported besides the best one")
       ->check(number_between(0.0, 1.0))
       ->capture_default_str();
   command->add_option("--layout", o->layout, "Memory layout of the feature maps")

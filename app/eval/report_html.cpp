@@ -227,9 +227,10 @@ std::string report_html(const ReportContent& c) {
          "</style></head>\n<body><main>\n<h1>" + escape_html(c.title) +
          "</h1>\n<p class='lead'>Evaluation of binpick on captured frames with known poses.</p>\n" +
          tiles(c) + fault_section(c.faults) + score_section(c.score) + c.reach +
-         curve_section(c.score) + c.curves + stage_section(c.lines) + level_section(c.lines) +
-         c.causes + crop_section(c.fault_pictures) + picture_section(c.pictures) +
-         model_section(c.models) + fact_section(c.facts) + "</main></body></html>\n";
+         curve_section(c.score) + c.reliability + c.curves + stage_section(c.lines) +
+         level_section(c.lines) + c.causes + crop_section(c.fault_pictures) +
+         picture_section(c.pictures) + model_section(c.models) + fact_section(c.facts) +
+         "</main></body></html>\n";
 }
 
 }  // namespace binpick::app

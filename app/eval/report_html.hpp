@@ -28,6 +28,7 @@ struct ReportContent {
   std::vector<std::string> faults;
   std::vector<ReportPicture> pictures, fault_pictures;
   std::string reach, causes;  // sections of the account of faults; may be empty
+  std::string reliability;    // section of the score as a probability; may be empty
   std::string curves;         // section of the sweep; may be empty
 };
 

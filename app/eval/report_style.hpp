@@ -38,6 +38,8 @@ svg .grid { stroke: var(--line); stroke-width: 1; }
 svg .tick { fill: var(--soft); font-size: 10px; }
 svg .axis { fill: var(--soft); font-size: 11px; }
 svg .curve { fill: none; stroke: var(--accent); stroke-width: 2; stroke-linejoin: round; }
+svg .diagonal { stroke: var(--soft); stroke-width: 1; stroke-dasharray: 4 4; }
+svg .interval { stroke: var(--accent); stroke-width: 1.5; }
 svg .best { fill: var(--card); stroke: var(--accent); stroke-width: 2.5; }
 .charts h3 span { color: var(--soft); font-weight: 400; float: right; }
 svg.bar { width: 100%; height: 18px; display: block; border-radius: 3px; }

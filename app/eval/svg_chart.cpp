@@ -35,7 +35,8 @@ std::string axis_titles(const std::string& x_axis, const std::string& y_axis) {
          fixed_digits(y_of(0.5), 1) + ") rotate(-90)'>" + escape_html(y_axis) + "</text>";
 }
 
-std::string grid() {
+// Of a chart with both axes from 0 to 1.
+std::string grid(const std::string& x_axis, const std::string& y_axis) {
   std::string svg;
   for (int i = 0; i <= 5; ++i) {
     const double v = 0.2 * i;
@@ -47,7 +48,7 @@ std::string grid() {
     svg += "<text class='tick' text-anchor='middle' x='" + fixed_digits(x_of(v), 1) + "' y='" +
            fixed_digits(y_of(0) + 15, 1) + "'>" + tick + "</text>";
   }
-  svg += axis_titles("recall", "precision");
+  svg += axis_titles(x_axis, y_axis);
   return svg;
 }
 
@@ -56,7 +57,7 @@ std::string grid() {
 std::string precision_recall_svg(const PartScore& part) {
   std::string svg =
       "<svg class='chart' viewBox='0 0 280 272' role='img' aria-label='precision over recall of " +
-      std::string("object ") + std::to_string(part.obj_id) + "'>" + grid();
+      std::string("object ") + std::to_string(part.obj_id) + "'>" + grid("recall", "precision");
   if (!part.curve.empty()) {
     svg += "<polyline class='curve' points='";
     for (const CurvePoint& p : part.curve) {
@@ -68,6 +69,26 @@ std::string precision_recall_svg(const PartScore& part) {
     const double x = x_of(part.best.recall), y = y_of(part.best.precision);
     svg += "<circle class='best' r='4.5' cx='" + fixed_digits(x, 1) + "' cy='" +
            fixed_digits(y, 1) + "'/>";
+  }
+  return svg + "</svg>";
+}
+
+std::string reliability_svg(const Reliability& reliability) {
+  std::string svg = "<svg class='chart' viewBox='0 0 280 272' role='img' aria-label='" +
+                    escape_html("share of right poses over probability, " + reliability.name) +
+                    "'>" + grid("probability", "share right") + "<line class='diagonal' x1='" +
+                    fixed_digits(x_of(0), 1) + "' y1='" + fixed_digits(y_of(0), 1) + "' x2='" +
+                    fixed_digits(x_of(1), 1) + "' y2='" + fixed_digits(y_of(1), 1) + "'/>";
+  for (const ReliabilityBin& bin : reliability.bins) {
+    const RightShare& seen = bin.seen;
+    if (seen.count == 0) continue;
+    const std::string x = fixed_digits(x_of(bin.probability), 1);
+    svg += "<line class='interval' x1='" + x + "' x2='" + x + "' y1='" +
+           fixed_digits(y_of(seen.low()), 1) + "' y2='" + fixed_digits(y_of(seen.high()), 1) +
+           "'/><circle class='best' r='3.5' cx='" + x + "' cy='" +
+           fixed_digits(y_of(seen.share()), 1) + "'><title>probability " +
+           fixed_digits(bin.probability, 3) + ": " + std::to_string(seen.right) + " of " +
+           std::to_string(seen.count) + " right</title></circle>";
   }
   return svg + "</svg>";
 }

@@ -4,12 +4,17 @@
 #include <string>
 #include <vector>
 
+#include "eval/reliability.hpp"
 #include "eval/score.hpp"
 
 namespace binpick::app {
 
 // Precision over recall, both 0 to 1; the threshold of the best F1 is marked.
 std::string precision_recall_svg(const PartScore& part);
+
+// Share of right poses over their probability, both 0 to 1: a point with its interval for each bin
+// that has a pose, beside the diagonal of a score that is what it says. Tooltips have the numbers.
+std::string reliability_svg(const Reliability& reliability);
 
 // One line of a chart: y over x, x ascending.
 struct Curve {

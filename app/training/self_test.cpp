@@ -120,6 +120,7 @@ SelfTest judge(const PileTrial& trial, const PartGeometry& geometry, double thre
   }
   test.bands = find_bands(trial, geometry, threshold);
   test.record.visible_fraction_min = visible_fraction_min(test.bands);
+  test.reliability = reliability_of(judged_poses(part, trial.rows), threshold);
   find_wrong(trial, geometry, test);
   return test;
 }

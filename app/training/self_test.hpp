@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "binpick/model/model_trials.hpp"
+#include "eval/reliability.hpp"
 #include "training/pile_trial.hpp"
 
 namespace binpick::app {
@@ -28,6 +29,7 @@ struct SelfTest {
   double f1 = 0;
   double position_error_mm = 0, angle_error_deg = 0;  // means over the axes of right poses
   std::vector<VisibilityBand> bands;
+  Reliability reliability;            // of the score as a probability
   int wrong = 0;                      // poses above the threshold
   std::vector<Confusion> confusions;  // of those, turned in place; most frequent first
 };

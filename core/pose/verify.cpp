@@ -71,6 +71,14 @@ void add_crease(const ContourPlace& place, const Scene& scene, Evidence& e) {
   if (m.found) e.creases_supported += 1 - std::abs(m.offset_px) / (kContourRangePx + 1);
 }
 
+// Whether no depth step could show at the contour.
+bool depth_missing_beside(const Scene& scene, const ContourPlace& place) {
+  for (const double offset_px : {0.0, kBesidePx, -kBesidePx}) {
+    if (!(scene.measured_px(place.pixel + offset_px * place.normal_px) > 0)) return true;
+  }
+  return false;
+}
+
 void add_outline(const ContourPlace& place, const Scene& scene, double tolerance_mm, Evidence& e) {
   ++e.contours;
   e.outline_continued += surface_continues(scene, place, tolerance_mm);
@@ -79,6 +87,7 @@ void add_outline(const ContourPlace& place, const Scene& scene, double tolerance
     e.contours_supported += 1;
     return;
   }
+  e.outline_unseen += depth_missing_beside(scene, place);
   const ContourMatch m = match_contour(place, scene, kContourRangePx);
   if (!m.found) return;
   ++e.outline_matches;

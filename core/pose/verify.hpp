@@ -17,6 +17,7 @@ struct Evidence {
   int unknown = 0;       // no depth there
   int contours = 0;      // contour points that nothing hides
   double contours_supported = 0;
+  int outline_unseen = 0;        // contour points without depth at or beside them, and no step
   int outline_steps = 0;         // contour points on a depth step of their direction
   int outline_continued = 0;     // contour points with one smooth surface on both sides
   int outline_matches = 0;       // contour points beside an intensity edge, not on a depth step
@@ -36,6 +37,11 @@ struct Evidence {
   double depth_support() const {
     const double tested = measured + 1.5 * contradicted;
     return tested > 0 ? supported / tested : 0;
+  }
+  // Share of what nothing hides for which there is a measurement.
+  double known_fraction() const {
+    const int shown = samples - hidden;
+    return shown > 0 ? static_cast<double>(measured + contradicted) / shown : 0;
   }
   double contour_support() const { return contours > 0 ? contours_supported / contours : 0; }
   // Share of the visible surface for which there is a measurement at all.

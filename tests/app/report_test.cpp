@@ -12,6 +12,7 @@
 #include "eval/eval_plan.hpp"
 #include "eval/html_text.hpp"
 #include "eval/model_cache.hpp"
+#include "eval/reliability_tables.hpp"
 #include "eval/report_html.hpp"
 #include "eval/svg_chart.hpp"
 #include "eval/table.hpp"
@@ -64,6 +65,7 @@ ReportContent content() {
   c.score.mean = mean_of(c.score.parts);
   c.lines = {run_line()};
   c.models = {{1, {500, 760}, false, 12.5, 3000000}};
+  c.reliability = reliability_section_html({reliability_of({{0.9, true}, {0.3, false}}, 0.85)});
   c.reach = "<h2>What is reachable</h2>";
   c.causes = "<h2>Every fault and its cause</h2>";
   c.fault_pictures = {{"missed, search: scan", {4, 5, 6}}};
@@ -88,7 +90,8 @@ TEST(ReportPage, CarriesEverythingItself) {
 
 TEST(ReportPage, ShowsScoresCurvesLevelsAndPictures) {
   const std::string page = report_html(content());
-  EXPECT_EQ(count(page, "<svg class='chart'"), 2u);
+  EXPECT_EQ(count(page, "<svg class='chart'"), 3u);
+  EXPECT_THAT(page, HasSubstr("<h2>Reliability of the score"));
   EXPECT_THAT(page, HasSubstr("<td class='main'>0.857</td>"));
   EXPECT_THAT(page, HasSubstr("<td>31.5</td>"));
   EXPECT_THAT(page, HasSubstr("123456"));

@@ -71,6 +71,20 @@ class EvalReportTest(unittest.TestCase):
         self.assertTrue(sweep["visible"]["parts"][0]["y"])
         self.assertTrue(sweep["threshold"]["parts"][0]["y"])
 
+    def test_reliability_counts_every_pose_once(self):
+        parts = {part["name"]: part for part in self.json["reliability"]}
+        self.assertEqual(set(parts), {"obj 1", "all"})
+        for part in parts.values():
+            self.assertEqual(part["count"], len(self.full[0]) - 1)
+            self.assertEqual(part["count"], sum(b["count"] for b in part["bins"]))
+            self.assertLessEqual(part["calibration_error"], 1)
+            low, high = part["accepted"]["interval"]
+            self.assertLessEqual(low, part["accepted"]["share"])
+            self.assertGreaterEqual(high, part["accepted"]["share"])
+            self.assertEqual(part["accepted"]["threshold"], 0.85)
+        self.assertIn("calibration error", self.full[1])
+        self.assertIn("Reliability of the score", self.page)
+
     def test_report_and_text_show_it(self):
         for text in ("What is reachable", "Every fault and its cause", "How scores fall"):
             self.assertIn(text, self.page)

@@ -63,6 +63,31 @@ TEST(PoseScore, EveryContradictionCounts) {
   EXPECT_LT(worse([](Evidence& e) { e.hidden = 150; }), best) << "most of it is hidden";
 }
 
+// A part with as much depth as a dull one has, and a shiny one with 0.6 of that, which fits as
+// well.
+TEST(PoseScore, MissingDepthSpeaksNeitherWay) {
+  Evidence dull = good_evidence();
+  dull.with_intensity = true;
+  dull.samples = 200;
+  dull.hidden = 0;
+  dull.measured = 150;
+  dull.supported = 147;
+  dull.outline_steps = 55;
+  dull.outline_unseen = 40;
+  Evidence shiny = dull;
+  shiny.measured = 90;
+  shiny.supported = 88.2;
+  shiny.explained_mm2 *= 0.6;
+  shiny.outline_steps = 33;
+  shiny.outline_unseen = 64;
+  EXPECT_NEAR(score_of(shiny), score_of(dull), 1e-3);
+  Evidence seen = shiny;
+  seen.outline_unseen = 40;
+  EXPECT_LT(score_of(seen), score_of(dull) - 0.02) << "depth around it, and no step";
+  shiny.with_intensity = false;
+  EXPECT_LT(score_of(shiny), score_of(dull) - 0.02) << "nothing stands in for depth";
+}
+
 // The same part seen by a camera with twice the focal length from twice as far is the same image.
 TEST(PoseScore, DependsOnTheImageNotOnMillimetres) {
   Evidence scaled = good_evidence();

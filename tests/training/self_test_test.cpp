@@ -51,6 +51,9 @@ TEST(SelfTest, CountsWhatIsRightAboveTheThreshold) {
   EXPECT_DOUBLE_EQ(test.record.recall, 2 / 3.0);
   EXPECT_DOUBLE_EQ(test.record.precision, 1);
   EXPECT_EQ(test.wrong, 0);
+  EXPECT_EQ(test.reliability.count, 3);
+  EXPECT_EQ(test.reliability.accepted.count, 2);
+  EXPECT_EQ(test.reliability.accepted.right, 2);
   EXPECT_EQ(test.bands[9].found, 1);
   EXPECT_EQ(test.bands[8].found, 0);
   EXPECT_EQ(test.bands[7].found, 1);

@@ -1,5 +1,6 @@
 // make_sample_data: renders bins full of parts, with truth, in the BOP layout.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -23,6 +24,7 @@ struct Options {
   std::uint64_t seed = 1;
   int part_count = 0;
   double tilt_deg_max = 15;
+  double shine = 1;
 };
 
 // Seeds of frames do not depend on how many frames are asked for.
@@ -32,6 +34,16 @@ std::uint64_t frame_seed(std::uint64_t seed, int scene, int frame) {
   return of_scene.fork(static_cast<std::uint64_t>(frame)).next();
 }
 
+// Parts that shine so many times more than usual blind the sensor with so much less light, and are
+// measured only where they face it so much more.
+DepthSensorParams sensor_for(double shine) {
+  DepthSensorParams sensor;
+  sensor.glare_level /= shine;
+  sensor.grazing_cos_min = std::min(0.9, sensor.grazing_cos_min * shine);
+  sensor.grazing_cos_sure = std::min(0.95, sensor.grazing_cos_sure * shine);
+  return sensor;
+}
+
 void write_scene(const Options& options, const FrameMaker& maker, int scene, int frames,
                  const std::vector<std::size_t>& kinds) {
   SceneWriter writer(options.out, scene);
@@ -39,9 +51,16 @@ void write_scene(const Options& options, const FrameMaker& maker, int scene, int
     const Frame frame = maker.make(kinds, frame_seed(options.seed, scene, i));
     writer.add(frame);
     int clear = 0;
-    for (const auto& instance : frame.instances) clear += instance.visib_fract >= 0.7 ? 1 : 0;
-    std::printf("scene %d frame %d: %zu parts, %d of them at least 70 %% visible\n", scene, i,
-                frame.instances.size(), clear);
+    double visible_px = 0, measured_px = 0;
+    for (const auto& instance : frame.instances) {
+      clear += instance.visib_fract >= 0.7 ? 1 : 0;
+      visible_px += instance.px_count_visib;
+      measured_px += instance.px_count_valid;
+    }
+    std::printf(
+        "scene %d frame %d: %zu parts, %d of them at least 70 %% visible; %.0f %% without depth\n",
+        scene, i, frame.instances.size(), clear,
+        visible_px > 0 ? 100 * (1 - measured_px / visible_px) : 0);
     std::fflush(stdout);
   }
   writer.finish();
@@ -53,6 +72,7 @@ void run(const Options& options) {
   FrameParams params;
   params.part_count = options.part_count;
   params.camera.tilt_max_rad = options.tilt_deg_max * std::numbers::pi / 180;
+  params.sensor = sensor_for(options.shine);
   write_models(options.out, parts, params.camera);
   if (!options.cad_out.empty()) {
     std::filesystem::create_directories(options.cad_out);
@@ -91,6 +111,9 @@ int main(int argc, char** argv) {
   app.add_option("--count", options.part_count, "parts in a bin; 0 fills it well")
       ->capture_default_str();
   app.add_option("--tilt-deg-max", options.tilt_deg_max, "largest tilt of the camera")
+      ->capture_default_str();
+  app.add_option("--shine", options.shine, "how much shinier than usual, and so with less depth")
+      ->check(CLI::Range(1.0, 5.0))
       ->capture_default_str();
   app.add_option("--cad-out", options.cad_out, "also write the meshes as STL into this folder");
   CLI11_PARSE(app, argc, argv);
