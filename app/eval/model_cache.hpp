@@ -13,7 +13,7 @@ namespace binpick::app {
 
 // Counts changes of the trainer that give other models from the same options: raising it makes
 // every cached model out of date.
-inline constexpr int kTrainerRevision = 4;
+inline constexpr int kTrainerRevision = 5;
 
 // FNV-1a 64 over the mesh's hash, the trainer's revision and all options.
 std::uint64_t training_key(std::uint64_t mesh_hash, const train::TrainOptions& options,

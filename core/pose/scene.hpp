@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "binpick/frame/modality.hpp"
 #include "features/pyramid.hpp"
 
 namespace binpick {
@@ -12,11 +13,18 @@ struct Scene {
   const PyramidLevel& depth;      // level at which normals were fitted: depth averaged over 2x2 px
   const PyramidLevel& intensity;  // level 0
   const bool with_intensity;      // level 0 shows something
+  const bool with_depth;          // there is a depth image, whatever was measured
 
   explicit Scene(const FeaturePyramid& pyramid)
       : depth(pyramid.level(kFeatureLevel)),
         intensity(pyramid.level(0)),
-        with_intensity(pyramid.with_intensity()) {}
+        with_intensity(pyramid.with_intensity()),
+        with_depth(pyramid.with_depth()) {}
+
+  Modality modality() const {
+    if (!with_depth) return Modality::kIntensity;
+    return with_intensity ? Modality::kDepthAndIntensity : Modality::kDepth;
+  }
 
   // Depth error to reckon with at one point, shape distorted by the sensor's window included. A
   // triangulating sensor finds its matches to a fraction of a pixel, and its baseline is a fraction

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pose/contour_evidence.hpp"
 #include "pose/icp.hpp"
 #include "pose/ray_pose.hpp"
 #include "pose/view_lookup.hpp"
@@ -59,6 +60,10 @@ Hypothesis screened(const PoseContext& context, const Candidate& candidate,
     return h;
   }
   h.T_cam_centre = candidate_pose(model, leaf, candidate, pyramid);
+  if (!context.scene.with_depth) {
+    h.rank = contour_promise(model, context.scene, h.T_cam_centre);
+    return h;
+  }
   const double interval_mm = model.distance_interval_mm(leaf, candidate.distance);
   const double range_mm = 0.5 * info.diameter_mm + 0.75 * interval_mm;
   if (!align_depth(model, context.scene, range_mm, h.T_cam_centre)) {
@@ -95,7 +100,7 @@ int screen_candidates(const PoseContext& context, std::span<const Candidate> lea
       count_drop(report, DropReason::kLevelLimit);
     } else if (std::any_of(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(kept),
                            [&](const Hypothesis& better) {
-                             return same_pose(context.moves, better, h, limit_mm, kSameRotation);
+                             return same_pose(context, better, h, limit_mm, kSameRotation);
                            })) {
       count_drop(report, DropReason::kDuplicate);
     } else {
