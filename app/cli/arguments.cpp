@@ -69,6 +69,20 @@ Isa parse_isa(const std::string& option, const std::string& text) {
   return isa;
 }
 
+Modality parse_modality(const std::string& option, const std::string& text) {
+  for (int i = 0; i < kModalityCount; ++i) {
+    if (text == kModalityNames[i]) return static_cast<Modality>(i);
+  }
+  refuse(option, text, "expected " + modality_list());
+}
+
+std::string modality_list() {
+  std::string list = kModalityNames[0];
+  for (int i = 1; i < kModalityCount; ++i)
+    list += (i + 1 < kModalityCount ? ", " : " or ") + std::string(kModalityNames[i]);
+  return list;
+}
+
 train::LengthUnit parse_unit(const std::string& option, const std::string& text) {
   if (text.empty()) return train::LengthUnit::kGuess;
   if (text == "mm") return train::LengthUnit::kMillimetre;

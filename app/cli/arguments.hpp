@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "binpick/drivers/bop_dataset.hpp"
-#include "binpick/frame/frame.hpp"
+#include "binpick/frame/modality.hpp"
 #include "binpick/simd/isa.hpp"
 #include "binpick/train/mesh.hpp"
 
@@ -23,6 +23,11 @@ drivers::FrameId parse_frame_id(const std::string& option, const std::string& te
 
 // A name that this machine can run.
 Isa parse_isa(const std::string& option, const std::string& text);
+
+// One of kModalityNames.
+Modality parse_modality(const std::string& option, const std::string& text);
+// "automatic, depth_and_intensity, depth or intensity".
+std::string modality_list();
 
 // "mm", "m", "inch"; "" lets the import guess.
 train::LengthUnit parse_unit(const std::string& option, const std::string& text);

@@ -22,7 +22,7 @@ namespace {
 struct DetectArguments {
   std::vector<std::string> models, meshes, bop_frame;
   std::string depth, intensity, camera, split = "test", roi;
-  std::string layout = "rearranged", isa = "best", json, overlay;
+  std::string layout = "rearranged", isa = "best", modality = kModalityNames[0], json, overlay;
   int threads = default_thread_count();
   int max_results = DetectRequest{}.max_results;
   double min_score = DetectRequest{}.min_score;
@@ -40,7 +40,8 @@ NamedFrame load_frame(const DetectArguments& arguments) {
     return {dataset.load_frame(dataset.scene(id.scene_id), id.im_id), drivers::frame_name(id)};
   }
   const drivers::FrameCamera camera = drivers::load_camera_file(arguments.camera);
-  return {drivers::load_frame_files(arguments.depth, arguments.intensity, camera), arguments.depth};
+  return {drivers::load_frame_files(arguments.depth, arguments.intensity, camera),
+          arguments.depth.empty() ? arguments.intensity : arguments.depth};
 }
 
 // The CAD files that outlines are drawn from, each in the unit that its model was trained with.
@@ -78,6 +79,7 @@ int detect_parts(const DetectArguments& arguments) {
   DetectRun run;
   run.params.layout = arguments.layout == "plain" ? MapLayout::kPlain : MapLayout::kRearranged;
   run.params.isa = parse_isa("--isa", arguments.isa);
+  run.request.modality = parse_modality("--modality", arguments.modality);
   run.request.max_results = arguments.max_results;
   run.request.min_score = arguments.min_score;
   run.threads = arguments.threads;
@@ -139,8 +141,7 @@ void add_frame_options(CLI::App& command, DetectArguments& arguments) {
       command.add_option("--roi", arguments.roi,
                          "Look only here: x,y,width,height in pixels; instead of the frame's own");
   depth->needs(camera)->excludes(bop);
-  camera->needs(depth);
-  intensity->needs(depth);
+  intensity->needs(camera)->excludes(bop);
   split->needs(bop)->capture_default_str();
   for (CLI::Option* option : {depth, intensity, camera, bop, split, roi}) option->group(group);
 }
@@ -152,6 +153,10 @@ void add_detect_command(CLI::App& app, int& exit_status) {
   CLI::App& command = *app.add_subcommand("detect", "Find trained parts in a frame");
   command.add_option("--model", arguments->models, "Model files, as train writes them")->required();
   add_frame_options(command, *arguments);
+  command
+      .add_option("--modality", arguments->modality,
+                  "Images to look at: " + modality_list() + "; automatic: what the frame has")
+      ->capture_default_str();
   command.add_option("--max-results", arguments->max_results, "Parts to report at most")
       ->check(number_between(1, 10000))
       ->capture_default_str();
@@ -176,8 +181,10 @@ void add_detect_command(CLI::App& app, int& exit_status) {
       "--mesh", arguments->meshes,
       "CAD files to draw outlines from, one a model [the model's own contour points]");
   command.callback([arguments, &command, &exit_status] {
-    if (arguments->depth.empty() && arguments->bop_frame.empty()) {
-      throw CLI::RequiredError("detect: --depth with --camera, or --bop-frame,");
+    const bool has_image = !arguments->depth.empty() || !arguments->intensity.empty();
+    if (!has_image && arguments->bop_frame.empty()) {
+      throw CLI::RequiredError(
+          "detect: --depth, --intensity or both with --camera, or --bop-frame,");
     }
     exit_status = detect_parts(*arguments);
   });

@@ -34,7 +34,7 @@ constexpr std::size_t kPicturesMax = 12, kCropsMax = 48;
 
 struct Options {
   std::string dataset, csv, evidence, split = "test", scenes, objects, model_cache, json, report;
-  std::string layout = "rearranged", isa = "best";
+  std::string layout = "rearranged", isa = "best", modality = kModalityNames[0];
   int threads = default_thread_count();
   double threshold = DetectRequest{}.min_score;
   bool oracle = false;
@@ -76,6 +76,7 @@ void take_settings(Options& options) {
   DetectorParams& params = options.settings.search.params;
   params.layout = options.layout == "plain" ? MapLayout::kPlain : MapLayout::kRearranged;
   params.isa = parse_isa("--isa", options.isa);
+  options.settings.search.modality = parse_modality("--modality", options.modality);
   options.disturbances = disturbances_of(options);
 }
 
@@ -89,6 +90,7 @@ std::vector<std::pair<std::string, std::string>> facts_of(const Options& o) {
           {"threads", std::to_string(o.threads)},
           {"layout", o.layout},
           {"instruction set", o.isa},
+          {"modality", o.modality},
           {"results at most", std::to_string(o.settings.search.max_results)},
           {"score at least", score}};
 }
@@ -264,6 +266,10 @@ void add_eval_command(CLI::App& app, int& exit_status) {
       ->add_option("--threshold", o->threshold,
                    "Score at which F1 and precision are reported besides the best one")
       ->check(number_between(0.0, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option("--modality", o->modality,
+                   "Images to search in: " + modality_list() + "; automatic: what a frame has")
       ->capture_default_str();
   command->add_option("--layout", o->layout, "Memory layout of the feature maps")
       ->check(CLI::IsMember({"plain", "rearranged"}))

@@ -37,7 +37,9 @@ nlohmann::ordered_json to_json(const ModelTrials& t) {
   return {{"calibration_piles", t.calibration_piles},
           {"with_intensity", to_json(t.with_intensity)},
           {"depth_alone", to_json(t.depth_alone)},
+          {"intensity_alone", to_json(t.intensity_alone)},
           {"variance_scale", t.variance_scale},
+          {"variance_scale_intensity_alone", t.variance_scale_intensity_alone},
           {"self_test",
            {{"piles", test.piles},
             {"instances", test.instances},
@@ -111,9 +113,10 @@ void print(const ModelTrials& t) {
     std::printf("not calibrated\n");
   } else {
     std::printf(
-        "calibrated on %d simulated piles: slope %.2f, offset %+.2f (depth alone %.2f, %+.2f)\n",
+        "calibrated on %d simulated piles: slope %.2f, offset %+.2f (depth alone %.2f, %+.2f; "
+        "intensity alone %.2f, %+.2f)\n",
         t.calibration_piles, t.with_intensity.slope, t.with_intensity.offset, t.depth_alone.slope,
-        t.depth_alone.offset);
+        t.depth_alone.offset, t.intensity_alone.slope, t.intensity_alone.offset);
   }
   std::printf("%-20s ", "self-test");
   const SelfTestRecord& test = t.self_test;

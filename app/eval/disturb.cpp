@@ -46,6 +46,7 @@ float& depth_at(LoadedFrame& frame, int x, int y) {
 }
 
 void add_noise(LoadedFrame& frame, double level, std::uint64_t seed) {
+  if (frame.depth_mm.empty()) return;
   const double share = depth_noise_share(frame) * std::sqrt(std::max(0.0, level * level - 1));
   Random random(seed);
   for (int y = 0; y < frame.camera.height; y += kNoiseBlockPx) {
@@ -65,7 +66,7 @@ void add_noise(LoadedFrame& frame, double level, std::uint64_t seed) {
 
 void lose_depth(LoadedFrame& frame, double share, std::uint64_t seed) {
   const PixelRange roi = region_of(frame);
-  if (roi.empty()) return;
+  if (roi.empty() || frame.depth_mm.empty()) return;
   long long left = 0;
   for (int y = roi.y0; y < roi.y1; ++y) {
     for (int x = roi.x0; x < roi.x1; ++x) left += is_measured(depth_at(frame, x, y));
@@ -115,7 +116,8 @@ bool normal_at(LoadedFrame& frame, int x, int y, Vec3& normal) {
 }
 
 void relight(LoadedFrame& frame, double angle_deg, std::uint64_t seed) {
-  if (frame.intensity.empty() || angle_deg == 0) return;
+  // What is lit how is told by the depth.
+  if (frame.intensity.empty() || frame.depth_mm.empty() || angle_deg == 0) return;
   Random random(seed);
   const double azimuth = 2 * std::numbers::pi * random.uniform(), angle = angle_deg * kDegree;
   const Vec3 light(std::sin(angle) * std::cos(azimuth), std::sin(angle) * std::sin(azimuth),
@@ -157,6 +159,7 @@ const char* disturbance_unit(Disturbance d) {
 }
 
 double depth_noise_share(const LoadedFrame& frame) {
+  if (frame.depth_mm.empty()) return 0;
   const PixelRange roi = region_of(frame);
   std::vector<double> seconds;
   const auto at = [&](int x, int y) {

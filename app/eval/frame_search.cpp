@@ -70,6 +70,7 @@ void visit_frames(const drivers::BopDataset& dataset, const EvalPlan& plan,
     }
     DetectRequest request;
     request.model_indices = indices;
+    request.modality = settings.modality;
     request.max_results = settings.max_results;
     request.min_score = settings.min_score;
     const Result<int> visited = visit({wanted, frame, sized->detector(), request});

@@ -11,6 +11,7 @@ namespace binpick::app {
 
 struct SearchSettings {
   DetectorParams params;
+  Modality modality = Modality::kAutomatic;  // the detector does not see the other image
   int max_results = 64;
   double min_score = 0.01;  // low on purpose: the score's threshold is chosen afterwards
 };

@@ -31,10 +31,12 @@ bool told_apart(const PoseComparison& depth, double contour_truth, double contou
   return depth.advantage() > kAdvantageMin || contour_truth - contour_other > kContourAdvantageMin;
 }
 
-// kNone where the data tell the truth from whatever took its place.
+// kNone where the data tell the truth from whatever took its place, and where there is no depth to
+// compare with.
 LossCause what_data_hide(const TargetFinding& t) {
   const ReferenceFinding& f = t.finding;
   const double contour = f.from_truth.detection.contour_support;
+  if (t.moved.silhouette_px == 0) return {};
   if (t.moved.measured_share() < kMeasuredShareMin) {
     return {Loss::kData,
             "only " + percent(t.moved.measured_share()) + " of its silhouette has a measurement"};

@@ -31,6 +31,8 @@ std::vector<Target> targets_of(const OracleRequest& request, const ModelSet& mod
 
 void compare_with_data(const OracleRequest& request, const Frame& frame, const Pose& truth,
                        const ModelSet& models, PoseComparer& comparer, TargetFinding& t) {
+  // Depth that was not looked at explains nothing.
+  if (frame.depth_mm.empty() || request.search.modality == Modality::kIntensity) return;
   const ReferenceFinding& f = t.finding;
   const train::Mesh& mesh = request.parts.at(t.obj_id).imported.mesh;
   const bool stayed = f.from_truth.right();

@@ -69,7 +69,7 @@ Result<FrameRef> StationReplay::Frames::grab(std::chrono::steady_clock::time_poi
   std::copy(frame_->depth_mm.begin(), frame_->depth_mm.end(), slot.depth_mm.begin());
   std::copy(frame_->intensity.begin(), frame_->intensity.end(), slot.intensity.begin());
   slot.frame = view;
-  slot.frame.depth_mm.data = slot.depth_mm.data();
+  if (!view.depth_mm.empty()) slot.frame.depth_mm.data = slot.depth_mm.data();
   if (!view.intensity.empty()) slot.frame.intensity.data = slot.intensity.data();
   return ref;
 }

@@ -39,6 +39,8 @@ Cause cause_of(ErrorCode code, bool deadline_came) {
     case ErrorCode::kIntrinsicsInvalid:
     case ErrorCode::kRoiOutsideImage:
     case ErrorCode::kRoiTooLarge:
+    case ErrorCode::kFrameWithoutDepth:
+    case ErrorCode::kFrameWithoutIntensity:
     case ErrorCode::kModelCameraMismatch:
       return Cause::kDetectionFailed;
     default:
@@ -51,7 +53,6 @@ constexpr std::uint16_t bit(NoPickReason reason) {
 }
 
 bool has_measurement(const Frame& frame) {
-  if (frame.depth_mm.empty()) return false;
   Roi roi = frame.roi;
   if (roi.whole_image()) roi = {0, 0, frame.depth_mm.width, frame.depth_mm.height};
   const int bottom = std::min(roi.y + roi.height, frame.depth_mm.height);
@@ -243,6 +244,7 @@ StationState Cycle::compute() {
   result_.frame_sequence = frame.sequence;
   DetectRequest request;
   request.model_indices = recipe_->models;
+  request.modality = recipe_->modality;
   request.min_score = recipe_->min_score;
   request.max_results = static_cast<int>(picks_.size());
   request.deadline_ns = deadline_ns_;  // one clock: the detector was made with it
@@ -297,7 +299,8 @@ void Cycle::explain(const Frame& frame, const DetectionReport& report) {
   if (dropped(DropReason::kResultLimit) || result_.picks.size() < report.detections.size())
     reasons |= bit(NoPickReason::kLimit);
   if (!result_.picks.empty() || reasons & bit(NoPickReason::kLimit)) return;
-  if (!has_measurement(frame)) reasons |= bit(NoPickReason::kNoMeasurement);
+  const bool looked_at_depth = recipe_->modality != Modality::kIntensity && !frame.depth_mm.empty();
+  if (looked_at_depth && !has_measurement(frame)) reasons |= bit(NoPickReason::kNoMeasurement);
   if (reasons == 0) reasons |= bit(NoPickReason::kNothingFound);
 }
 

@@ -21,6 +21,7 @@ struct Recipe {
   std::string name;
   std::vector<int> models;  // indices into RecipeSet::models()
   Roi roi;                  // width 0: the frame's own
+  Modality modality = Modality::kAutomatic;
   double min_score = 0;
   int picks_max = 0;
   Pose T_obj_pick;

@@ -51,12 +51,17 @@ ScoreCalibration score_of(const PileTrial& trial, const PartGeometry& geometry) 
 
 void calibrate(const ObjectModel& model, const PartGeometry& geometry,
                const std::vector<SimulatedPile>& piles, WorkerPool& pool, ModelTrials& trials) {
-  const PileTrial both = run_trial(model, piles, TrialSees::kDepthAndIntensity, pool);
+  const PileTrial both = run_trial(model, piles, Modality::kDepthAndIntensity, pool);
+  const PileTrial intensity = run_trial(model, piles, Modality::kIntensity, pool);
   trials.with_intensity = score_of(both, geometry);
-  trials.depth_alone = score_of(run_trial(model, piles, TrialSees::kDepthAlone, pool), geometry);
-  if (const auto growth = growth_of_variance(both, geometry, model.centre_mm())) {
-    trials.variance_scale = model.trials().variance_scale * *growth;
-  }
+  trials.depth_alone = score_of(run_trial(model, piles, Modality::kDepth, pool), geometry);
+  trials.intensity_alone = score_of(intensity, geometry);
+  const auto grow = [&](const PileTrial& trial, double& scale) {
+    if (const auto growth = growth_of_variance(trial, geometry, model.centre_mm()))
+      scale *= *growth;
+  };
+  grow(both, trials.variance_scale);
+  grow(intensity, trials.variance_scale_intensity_alone);
 }
 
 }  // namespace
@@ -91,7 +96,7 @@ TrainedPart train_part(const train::ImportedMesh& part, const train::TrainOption
   if (plan.test_piles > 0) {
     const auto piles = piles_of("self-test", plan.test_piles, kTestSeed);
     const ObjectModel model = parsed(out.model);
-    const PileTrial trial = run_trial(model, piles, TrialSees::kDepthAndIntensity, pool);
+    const PileTrial trial = run_trial(model, piles, Modality::kDepthAndIntensity, pool);
     out.self_test = judge(trial, geometry, DetectRequest{}.min_score);
     out.advice = advice(*out.self_test, model);
     trials.self_test = out.self_test->record;

@@ -35,18 +35,18 @@ std::vector<ScoredInstance> scored(const SimulatedPile& pile) {
 }  // namespace
 
 PileTrial run_trial(const ObjectModel& model, const std::vector<SimulatedPile>& piles,
-                    TrialSees sees, WorkerPool& pool) {
+                    Modality modality, WorkerPool& pool) {
   const std::vector<ObjectModel> models = {model};
   SizedDetector sized(models, limits_of(piles), DetectorParams{}, pool);
   DetectRequest request;
   request.max_results = kResultsMax;
   request.min_score = 0;
+  request.modality = modality;
   PileTrial trial;
   for (std::size_t i = 0; i < piles.size(); ++i) {
     const drivers::FrameId id{1, static_cast<int>(i)};
     trial.truth[id] = scored(piles[i]);
-    Frame frame = piles[i].frame.view();
-    if (sees == TrialSees::kDepthAlone) frame.intensity = {};
+    const Frame frame = piles[i].frame.view();
     const std::int64_t begin_ns = monotonic_ns();
     const Result<DetectionReport> report = sized.detector().detect(frame, request);
     if (!report.ok()) throw std::runtime_error("a simulated pile: " + error_text(report.error()));

@@ -21,12 +21,10 @@ struct PileTrial {
   std::map<drivers::FrameId, double> time_s;
 };
 
-enum class TrialSees { kDepthAndIntensity, kDepthAlone };
-
 // Every pose that the detector is willing to report, however improbable. Throws std::runtime_error
 // where a pile cannot be searched.
 PileTrial run_trial(const ObjectModel& model, const std::vector<SimulatedPile>& piles,
-                    TrialSees sees, WorkerPool& pool);
+                    Modality modality, WorkerPool& pool);
 
 // Whether a pose is that of a part, for the best of the part's symmetries.
 bool is_right(const PartGeometry& geometry, const Pose& estimate, const Pose& truth,

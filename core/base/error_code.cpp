@@ -20,6 +20,10 @@ const char* error_message(ErrorCode code) {
       return "the region of interest lies outside the image";
     case ErrorCode::kRoiTooLarge:
       return "the region of interest is larger than the detector was set up for";
+    case ErrorCode::kFrameWithoutDepth:
+      return "depth was chosen, but the frame has no depth image";
+    case ErrorCode::kFrameWithoutIntensity:
+      return "intensity was chosen, but the frame has no intensity image";
     case ErrorCode::kModelTruncated:
       return "the model file is shorter than its header says";
     case ErrorCode::kModelForeign:

@@ -121,8 +121,11 @@ Result<DetectionReport> Detector::detect(const Frame& frame,
   return impl_->detect(frame, request);
 }
 
-Result<DetectionReport> Detector::Impl::detect(const Frame& frame, const DetectRequest& request) {
+Result<DetectionReport> Detector::Impl::detect(const Frame& given, const DetectRequest& request) {
   const Stopwatch watch(clock);
+  const Result<Frame> seen = seen_with(given, request.modality);
+  if (!seen.ok()) return seen.error();
+  const Frame& frame = seen.value();
   const Deadline deadline{clock, request.deadline_ns};
   const Result<Roi> region = region_of(frame, plan);
   if (!region.ok()) return region.error();

@@ -11,8 +11,9 @@
 namespace binpick {
 namespace {
 
-// Sobel magnitude of an edge between areas that differ by about eight gray levels.
-constexpr std::int32_t kGradientThreshold = 32;
+// Sobel magnitude of an edge where nothing but the intensity is seen: between areas that differ by
+// about twenty gray levels. Grain and scratches of a surface stay below, most outlines do not.
+constexpr std::int32_t kGradientThreshold = 90;
 // Where there is depth to show the outlines, only strong edges of the intensity are taken:
 // textures, scratches and threads answer to the weaker threshold nearly everywhere.
 constexpr std::int32_t kStrongGradient = 120;

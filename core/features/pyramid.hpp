@@ -57,6 +57,7 @@ class FeaturePyramid {
   int level_count() const { return plan_.level_count; }
   const Roi& region() const { return region_; }
   bool with_intensity() const { return with_intensity_; }  // the frame has an intensity image
+  bool with_depth() const { return depth_valid_; }         // the frame has a depth image
   // Of the depth of kFeatureLevel.
   const DepthNoise& depth_noise() const { return depth_noise_; }
 

@@ -1,4 +1,4 @@
-// Layout of a model file, version 3. Little-endian; every table starts at a multiple of 64 bytes
+// Layout of a model file, version 4. Little-endian; every table starts at a multiple of 64 bytes
 // from the start of the file. Written by core/train/model_writer, read in place by ObjectModel.
 //
 //   ModelHeader | Viewpoint tables (one per depth) | TemplateRange tables (one per depth)
@@ -19,7 +19,7 @@ namespace binpick {
 static_assert(std::endian::native == std::endian::little, "model files are read in place");
 
 inline constexpr char kModelMagic[8] = {'B', 'I', 'N', 'P', 'I', 'C', 'K', 'M'};
-inline constexpr std::uint32_t kModelVersion = 3;
+inline constexpr std::uint32_t kModelVersion = 4;
 inline constexpr std::size_t kModelAlignment = 64;
 // A model beyond this was not made by this program.
 inline constexpr std::uint64_t kModelBytesMax = 1ull << 30;

@@ -54,9 +54,11 @@ bool plausible(const ScoreCalibration& c) {
 bool plausible(const ModelTrials& t) {
   const auto share = [](double value) { return value >= 0 && value <= 1; };
   const SelfTestRecord& test = t.self_test;
-  return plausible(t.with_intensity) && plausible(t.depth_alone) && t.calibration_piles >= 0 &&
-         finite_and_positive(t.variance_scale) && test.piles >= 0 && test.instances >= 0 &&
-         share(test.recall) && share(test.precision) && share(test.visible_fraction_min);
+  return plausible(t.with_intensity) && plausible(t.depth_alone) && plausible(t.intensity_alone) &&
+         t.calibration_piles >= 0 && finite_and_positive(t.variance_scale) &&
+         finite_and_positive(t.variance_scale_intensity_alone) && test.piles >= 0 &&
+         test.instances >= 0 && share(test.recall) && share(test.precision) &&
+         share(test.visible_fraction_min);
 }
 
 bool range_within(std::uint64_t first, std::uint64_t count, std::size_t size) {

@@ -97,6 +97,13 @@ unsigned edge_directions_near(const Vec2& normal) {
   return (1u << bin) | (1u << ((bin + 1) & 7)) | (1u << ((bin + 7) & 7));
 }
 
+Vec3 pulled_back(const ContourPlace& place, const CameraIntrinsics& camera) {
+  const Vec3& p = place.point_cam;
+  const double a = place.normal_px.x() * camera.fx / p.z(),
+               b = place.normal_px.y() * camera.fy / p.z();
+  return {a, b, -(a * p.x() + b * p.y()) / p.z()};
+}
+
 int add_contour_residuals(const Viewpoint& view, const ObjectModel& model, const Scene& scene,
                           const Pose& T, int range_px, double sigma_px, double depth_tolerance_mm,
                           NormalEquations& equations) {
@@ -107,12 +114,8 @@ int add_contour_residuals(const Viewpoint& view, const ObjectModel& model, const
     if (!place.visible) continue;
     const ContourMatch m = match_contour(place, scene, range_px);
     if (!m.found) continue;
-    // d(offset along the normal)/d(point): the normal pulled back through the projection.
-    const Vec3& p = place.point_cam;
-    const double a = place.normal_px.x() * camera.fx / p.z(),
-                 b = place.normal_px.y() * camera.fy / p.z();
-    const Vec3 n(a, b, -(a * p.x() + b * p.y()) / p.z());
-    equations.add(point_gradient(n, p, T.t_mm) / sigma_px, -m.offset_px / sigma_px,
+    const Vec3 n = pulled_back(place, camera);
+    equations.add(point_gradient(n, place.point_cam, T.t_mm) / sigma_px, -m.offset_px / sigma_px,
                   robust_weight(m.offset_px, range_px));
     ++found;
   }

@@ -33,6 +33,9 @@ ContourMatch match_contour(const ContourPlace& place, const Scene& scene, int ra
 int edge_direction(const Vec2& normal);
 unsigned edge_directions_near(const Vec2& normal);
 
+// Derivative of the offset along the contour's normal by the point in the camera.
+Vec3 pulled_back(const ContourPlace& place, const CameraIntrinsics& camera);
+
 // Adds the point-to-line reprojection residuals (px) of one pass, each divided by sigma_px, with
 // Geman-McClure weights of scale range_px. Returns how many contour points found an edge.
 int add_contour_residuals(const Viewpoint& view, const ObjectModel& model, const Scene& scene,

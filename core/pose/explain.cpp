@@ -41,7 +41,10 @@ void SceneOwnership::visit_cells(const ObjectModel& model, const Scene& scene, c
   for (const SurfaceSample& s : model.surface(nearest_viewpoint(model, T))) {
     const Vec3 p = T * position_of(s);
     const auto [u, v, z] = scene.measured_at(p);
-    if (z > 0 && std::abs(z - p.z()) < kExplainsRatio * p.z()) visit(u / kCellPx, v / kCellPx);
+    const bool explained =
+        scene.with_depth ? z > 0 && std::abs(z - p.z()) < kExplainsRatio * p.z()
+                         : u >= 0 && v >= 0 && u < scene.depth.width && v < scene.depth.height;
+    if (explained) visit(u / kCellPx, v / kCellPx);
   }
 }
 

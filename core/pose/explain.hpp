@@ -1,5 +1,5 @@
-// Greedy explanation of the scene: a better pose owns the measured pixels that it explains; what is
-// left decides about the next one.
+// Greedy explanation of the scene: a better pose owns the measured pixels that it explains, without
+// depth those that it projects to; what is left decides about the next one.
 #pragma once
 
 #include <cstddef>

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pose/contour_evidence.hpp"
+#include "pose/contour_pose.hpp"
 #include "pose/icp.hpp"
 #include "pose/pnp.hpp"
 #include "pose/refine.hpp"
@@ -39,16 +41,27 @@ void for_living(const PoseContext& context, std::span<Hypothesis> hypotheses, Fn
   });
 }
 
+// Without depth distances are loose: what may be the same apart from that is compared at one
+// distance.
+constexpr double kSameDistanceRatio = 0.06;
+Pose compared(const Scene& scene, const Pose& with, Pose T) {
+  const double ratio = with.t_mm.z() / T.t_mm.z();
+  if (!scene.with_depth && std::abs(ratio - 1) < kSameDistanceRatio) T.t_mm *= ratio;
+  return T;
+}
+
 bool sane(const Pose& T) {
   return T.t_mm.allFinite() && T.R.allFinite() && T.t_mm.z() > 1;
 }
 
 }  // namespace
 
-bool same_pose(std::span<const PartMoves> moves, const Hypothesis& a, const Hypothesis& b,
+bool same_pose(const PoseContext& context, const Hypothesis& a, const Hypothesis& b,
                double position_mm, double rotation_rad) {
-  return a.candidate.model == b.candidate.model &&
-         moves[a.candidate.model].same(a.T_cam_centre, b.T_cam_centre, position_mm, rotation_rad);
+  if (a.candidate.model != b.candidate.model) return false;
+  return context.moves[a.candidate.model].same(
+      a.T_cam_centre, compared(context.scene, a.T_cam_centre, b.T_cam_centre), position_mm,
+      rotation_rad);
 }
 
 ScoreTerms terms_of(const Hypothesis& h) {
@@ -67,6 +80,11 @@ void count_drop(DetectionReport& report, DropReason reason) {
 
 void run_pnp(const PoseContext& context, std::span<Hypothesis> hypotheses) {
   for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
+    if (!context.scene.with_depth) {
+      if (!pose_from_contour(model, context.scene, h.T_cam_centre) || !sane(h.T_cam_centre))
+        h.drop(DropReason::kPoseDiverged);
+      return;
+    }
     Correspondence found[kCorrespondencesMax];
     const int count =
         template_correspondences(model, context.scene, h.T_cam_centre, kPnpRangePx, found);
@@ -83,6 +101,7 @@ void run_pnp(const PoseContext& context, std::span<Hypothesis> hypotheses) {
 }
 
 void run_icp(const PoseContext& context, std::span<Hypothesis> hypotheses) {
+  if (!context.scene.with_depth) return;
   for_living(context, hypotheses, [&](const ObjectModel& model, Hypothesis& h) {
     IcpParams params;
     params.sample_step = 2;
@@ -101,8 +120,9 @@ bool refine_pose(const PoseContext& context, const ObjectModel& model, Pose& T_c
 
 void verify_pose(const PoseContext& context, Hypothesis& h) {
   const ObjectModel& model = context.models[h.candidate.model];
-  h.evidence = verify(model, context.scene, h.T_cam_centre);
-  h.score = probability(terms_of(h), h.evidence.with_intensity, model.trials());
+  h.evidence = context.scene.with_depth ? verify(model, context.scene, h.T_cam_centre)
+                                        : contour_evidence(model, context.scene, h.T_cam_centre);
+  h.score = probability(terms_of(h), h.evidence.seen, model.trials());
   h.rank = h.evidence.explained_mm2 * h.score;
 }
 
@@ -132,9 +152,9 @@ int suppress(const PoseContext& context, std::span<Hypothesis> hypotheses, int p
     for (std::size_t k = 0; k < kept && !repeated; ++k) {
       const Hypothesis& better = hypotheses[k];
       if (better.candidate.model != h.candidate.model) continue;
-      repeated =
-          same_pose(context.moves, better, h, kSameRefinedShare * diameter, kSameRefinedRotation);
-      here += (better.T_cam_centre.t_mm - h.T_cam_centre.t_mm).norm() < kSamePlaceShare * diameter;
+      repeated = same_pose(context, better, h, kSameRefinedShare * diameter, kSameRefinedRotation);
+      const Pose beside = compared(context.scene, better.T_cam_centre, h.T_cam_centre);
+      here += (better.T_cam_centre.t_mm - beside.t_mm).norm() < kSamePlaceShare * diameter;
     }
     if (repeated || here >= per_place) {
       count_drop(report, repeated ? DropReason::kDuplicate : DropReason::kLevelLimit);

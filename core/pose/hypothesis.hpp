@@ -33,10 +33,6 @@ struct Hypothesis {
 ScoreTerms terms_of(const Hypothesis& h);
 // Living before dropped, then by rank; a total order.
 bool better_hypothesis(const Hypothesis& a, const Hypothesis& b);
-// Whether two hypotheses are of one model and their poses, or poses that its exact symmetries make
-// equal to them, differ by less than the limits. `moves`: of all models.
-bool same_pose(std::span<const PartMoves> moves, const Hypothesis& a, const Hypothesis& b,
-               double position_mm, double rotation_rad);
 void count_drop(DetectionReport& report, DropReason reason);
 
 // Each stage works on every living hypothesis on its own.
@@ -47,6 +43,13 @@ struct PoseContext {
   WorkerPool& pool;
   Deadline deadline;  // of the stage: hypotheses that it does not reach are dropped
 };
+// Whether two hypotheses are of one model and their poses, or poses that its exact symmetries make
+// equal to them, differ by less than the limits. Without depth a difference in distance that hardly
+// shows does not count.
+bool same_pose(const PoseContext& context, const Hypothesis& a, const Hypothesis& b,
+               double position_mm, double rotation_rad);
+
+// Without depth PnP finds the distance too, and nothing is left for ICP.
 void run_pnp(const PoseContext& context, std::span<Hypothesis> hypotheses);
 void run_icp(const PoseContext& context, std::span<Hypothesis> hypotheses);
 void run_refine(const PoseContext& context, std::span<Hypothesis> hypotheses);

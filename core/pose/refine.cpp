@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pose/contour_pose.hpp"
 #include "pose/view_lookup.hpp"
 
 namespace binpick {
@@ -17,6 +18,8 @@ RefineParams refine_params(const ObjectModel& model, const Scene& scene, const P
 
 int add_residuals(const ObjectModel& model, const Scene& scene, const RefineParams& params,
                   int contour_range_px, const Pose& T, NormalEquations& equations) {
+  if (!scene.with_depth)
+    return add_directed_residuals(model, scene, T, contour_range_px, equations);
   const double depth_sigma_mm = scene.depth_noise_mm(T.t_mm.z());
   const double depth_tolerance_mm = 0.02 * model.info().diameter_mm + 0.003 * T.t_mm.z();
   const Viewpoint& view = nearest_viewpoint(model, T);
@@ -27,6 +30,7 @@ int add_residuals(const ObjectModel& model, const Scene& scene, const RefinePara
 }
 
 void refine(const ObjectModel& model, const Scene& scene, const RefineParams& params, Pose& T) {
+  if (!scene.with_depth) return refine_on_contour(model, scene, T);
   const double radius = model.info().diameter_mm / 4;
   const int last = params.iterations_max - 1;
   for (int i = 0; i <= last; ++i) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "binpick/frame/modality.hpp"
 #include "features/pyramid.hpp"
 
 namespace binpick {
@@ -13,13 +14,20 @@ struct Scene {
   const PyramidLevel& depth;      // level at which normals were fitted: depth averaged over 2x2 px
   const PyramidLevel& intensity;  // level 0
   const bool with_intensity;      // level 0 shows something
+  const bool with_depth;          // there is a depth image, whatever was measured
   const double noise;             // of the depth: standard deviation of 1/z, 1/mm
 
   explicit Scene(const FeaturePyramid& pyramid)
       : depth(pyramid.level(kFeatureLevel)),
         intensity(pyramid.level(0)),
         with_intensity(pyramid.with_intensity()),
+        with_depth(pyramid.with_depth()),
         noise(pyramid.depth_noise().of_patches) {}
+
+  Modality modality() const {
+    if (!with_depth) return Modality::kIntensity;
+    return with_intensity ? Modality::kDepthAndIntensity : Modality::kDepth;
+  }
 
   // Depth error to reckon with at one point, shape distorted by the sensor's window included. A
   // triangulating sensor finds its matches to a fraction of a pixel, and its baseline is a fraction

@@ -34,6 +34,11 @@ double share(double part, int of) {
   return of > 0 ? part / of : 0;
 }
 
+const ScoreWeights& weights_of(Modality seen) {
+  if (seen == Modality::kIntensity) return kScoreWeightsOfIntensityAlone;
+  return seen == Modality::kDepth ? kScoreWeightsOfDepthAlone : kScoreWeights;
+}
+
 }  // namespace
 
 ScoreTerms score_terms(const Evidence& e, double template_score) {
@@ -57,14 +62,16 @@ ScoreTerms score_terms(const Evidence& e, double template_score) {
       e.outline_matches > 0 ? e.outline_offset_px / e.outline_matches : 0);
   set(ScoreTerm::kCreases, e.creases > 0 ? e.creases_supported / e.creases : kCreasesUnseen);
   set(ScoreTerm::kTemplate, template_score);
+  set(ScoreTerm::kWeakestSide, log_share(e.weakest_side));
+  set(ScoreTerm::kStrayEdges, share(e.stray_edges, e.plain));
   return terms;
 }
 
-double probability(const ScoreTerms& terms, bool with_intensity, const ModelTrials& trials) {
-  const ScoreWeights& weights = with_intensity ? kScoreWeights : kScoreWeightsOfDepthAlone;
+double probability(const ScoreTerms& terms, Modality seen, const ModelTrials& trials) {
+  const ScoreWeights& weights = weights_of(seen);
   double log_odds = weights.back();
   for (std::size_t i = 0; i < terms.size(); ++i) log_odds += weights[i] * terms[i];
-  const ScoreCalibration& part = with_intensity ? trials.with_intensity : trials.depth_alone;
+  const ScoreCalibration& part = trials.calibration_of(seen);
   return 1 / (1 + std::exp(-(part.slope * log_odds + part.offset)));
 }
 

@@ -3,8 +3,8 @@
 // model, whose weights (score_weights.hpp) are fitted once, over piles of plain parts, by
 // tools/calibration; none of the development piles' parts is among them. The terms are shares and
 // logarithms of shares, or pixels, so nothing in them depends on a part's size, its distance or the
-// camera. Frames without intensity have weights of their own: what they cannot show counts neither
-// way.
+// camera. Frames without intensity, and frames without depth, have weights of their own: what they
+// cannot show counts neither way.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@
 
 namespace binpick {
 
-// `template_score`: of the matched leaf, both modalities, 0..2.
+// `template_score`: of the matched leaf, both modalities, 0..2; without depth 0..1.
 ScoreTerms score_terms(const Evidence& evidence, double template_score);
 // 1 / (1 + e^-log odds); the log odds are the weighted sum of the terms, calibrated for the part.
-double probability(const ScoreTerms& terms, bool with_intensity, const ModelTrials& trials);
+double probability(const ScoreTerms& terms, Modality seen, const ModelTrials& trials);
 
 }  // namespace binpick

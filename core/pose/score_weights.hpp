@@ -22,6 +22,8 @@ inline constexpr ScoreWeights kScoreWeights = {
     -0.1882,   // outline_offset
     1.9571,    // creases
     0.3900,    // template
+    0.0000,    // weakest_side
+    0.0000,    // stray_edges
     -13.4234,  // constant
 };
 
@@ -37,7 +39,26 @@ inline constexpr ScoreWeights kScoreWeightsOfDepthAlone = {
     0.0000,    // outline_offset
     0.0000,    // creases
     2.3745,    // template
+    0.0000,    // weakest_side
+    0.0000,    // stray_edges
     -21.9572,  // constant
+};
+
+inline constexpr ScoreWeights kScoreWeightsOfIntensityAlone = {
+    0.0000,    // depth_support
+    0.5069,    // contour_support
+    0.0000,    // measured
+    2.2976,    // supported_area
+    0.0000,    // contradicted
+    0.0000,    // hidden
+    0.0000,    // outline_steps
+    -5.1900,   // outline_continued
+    -1.4245,   // outline_offset
+    2.5145,    // creases
+    0.0000,    // template
+    0.9675,    // weakest_side
+    -0.3439,   // stray_edges
+    -19.9889,  // constant
 };
 
 }  // namespace binpick

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pose/contour_evidence.hpp"
 #include "pose/icp.hpp"
 #include "pose/ray_pose.hpp"
 #include "pose/view_lookup.hpp"
@@ -63,6 +64,10 @@ Hypothesis screened(const PoseContext& context, const Candidate& candidate,
     return h;
   }
   h.T_cam_centre = candidate_pose(model, leaf, candidate, pyramid);
+  if (!context.scene.with_depth) {
+    h.rank = contour_promise(model, context.scene, h.T_cam_centre);
+    return h;
+  }
   const double interval_mm = model.distance_interval_mm(leaf, candidate.distance);
   const double range_mm = 0.5 * info.diameter_mm + 0.75 * interval_mm;
   if (!align_depth(model, context.scene, range_mm, h.T_cam_centre)) {
@@ -103,7 +108,7 @@ int screen_candidates(const PoseContext& context, std::span<const Candidate> lea
       int here = 0;
       bool repeated = false;
       for (std::size_t k = 0; k < kept && !repeated; ++k) {
-        repeated = same_pose(context.moves, out[k], h, limit_mm, kSameRotation);
+        repeated = same_pose(context, out[k], h, limit_mm, kSameRotation);
         here += (out[k].T_cam_centre.t_mm - h.T_cam_centre.t_mm).norm() < place_mm;
       }
       if (repeated || here >= kPerPlace) {

@@ -33,7 +33,7 @@ PoseUncertainty pose_uncertainty(const ObjectModel& model, const Scene& scene,
   // does not make the data better.
   const double scatter = std::max(1.0, equations.cost / std::max(1, equations.count - 6));
   Eigen::Matrix<double, 6, 6> information = equations.H;
-  information /= scatter * model.trials().variance_scale;
+  information /= scatter * model.trials().variance_scale_of(scene.modality());
   const double prior_mm = kPriorShare * diameter_mm, prior_rad = prior_mm / radius_mm;
   information.diagonal().head<3>().array() += 1 / (prior_rad * prior_rad);
   information.diagonal().tail<3>().array() += 1 / (prior_mm * prior_mm);

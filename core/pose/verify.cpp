@@ -147,7 +147,7 @@ double normal_agreement(const Scene& scene, int u, int v, const Vec3& p, const V
 Evidence verify(const ObjectModel& model, const Scene& scene, const Pose& T) {
   Evidence e;
   const Viewpoint& view = nearest_viewpoint(model, T);
-  e.with_intensity = scene.with_intensity;
+  e.seen = scene.modality();
   e.px2_per_mm2 = scene.px2_per_mm2(T.t_mm.z());
   add_surface(model, scene, T, view, e);
   add_contours(model, scene, T, view, e);

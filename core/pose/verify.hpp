@@ -8,8 +8,8 @@
 namespace binpick {
 
 struct Evidence {
-  bool with_intensity = false;  // the frame has an intensity image
-  int samples = 0;              // of the surface visible from this viewpoint
+  Modality seen = Modality::kDepth;  // what the frame has
+  int samples = 0;                   // of the surface visible from this viewpoint
   double supported = 0;  // measured where the model is: 1 for a perfect fit, less with the residual
   int measured = 0;      // of the samples: with a depth that neither hides nor contradicts them
   int hidden = 0;        // something lies in front: neither for nor against
@@ -24,7 +24,11 @@ struct Evidence {
   double outline_offset_px = 0;  // sum of their distances to it
   int creases = 0;               // crease points that nothing hides
   double creases_supported = 0;
-  double residual_mm = 0;  // median |point to plane| of the supported samples
+  // Where only the intensity is seen (contour_evidence.hpp).
+  double weakest_side = 1;  // support of the outline on the side where it has least
+  int plain = 0;            // samples of the surface away from outline and creases
+  int stray_edges = 0;      // of those on an edge
+  double residual_mm = 0;   // median |point to plane| of the supported samples
   // How much of the scene the pose explains, in the image's projection. Of two poses that fit the
   // same pixels, the one that also explains their neighbours is right: a pipe seen end to end is
   // not a tee whose branch points away.

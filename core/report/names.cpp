@@ -78,6 +78,10 @@ const char* score_term_name(ScoreTerm term) {
       return "creases";
     case ScoreTerm::kTemplate:
       return "template";
+    case ScoreTerm::kWeakestSide:
+      return "weakest_side";
+    case ScoreTerm::kStrayEdges:
+      return "stray_edges";
   }
   return "unknown";
 }

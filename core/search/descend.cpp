@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "search/distance_gate.hpp"
+#include "search/matched_features.hpp"
 
 namespace binpick {
 namespace {
@@ -43,14 +44,15 @@ int match_children(const DescendContext& context, int depth, const Candidate& pa
       for (int r = 2 * parent.roll; r < 2 * parent.roll + 2; ++r) {
         const TemplateRange& t =
             below.templates[static_cast<std::size_t>(v * below.roll_count + r)];
-        const std::span<const Feature> features = model.features(t);
+        const std::span<const Feature> features = matched_features(model, t, context.pyramid);
+        const int count = static_cast<int>(features.size());
         simd::BlockSums sums;
         const int x = 2 * parent.x, y = 2 * parent.y;
         if (context.layout == MapLayout::kRearranged) {
-          context.kernels.match_block_rearranged(level.rearranged, x, y, features.data(), t.count,
+          context.kernels.match_block_rearranged(level.rearranged, x, y, features.data(), count,
                                                  scale_q8, sums);
         } else {
-          context.kernels.match_block_plain(level.plain, x, y, features.data(), t.count, scale_q8,
+          context.kernels.match_block_plain(level.plain, x, y, features.data(), count, scale_q8,
                                             sums);
         }
         ++matched;

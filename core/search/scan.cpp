@@ -4,6 +4,7 @@
 
 #include "binpick/base/arena_plan.hpp"
 #include "search/distance_gate.hpp"
+#include "search/matched_features.hpp"
 
 namespace binpick {
 namespace {
@@ -41,7 +42,7 @@ Scanner::Scanner(const ScanLimits& limits, Arena& arena)
     : row_stride_(row_stride(limits)), buffers_(take(limits, arena)) {}
 
 void Scanner::load_templates(const ObjectModel& model, int distance_index, const ScalePlan& plan,
-                             std::ptrdiff_t stride) {
+                             const FeaturePyramid& pyramid, std::ptrdiff_t stride) {
   const int d = model.info().scan_depth;
   const TreeDepth& depth = model.depth(d);
   const int scale = plan.scale_q8[d][distance_index];
@@ -50,10 +51,12 @@ void Scanner::load_templates(const ObjectModel& model, int distance_index, const
   for (int t = 0; t < template_count_; ++t) {
     const TemplateRange& range = depth.templates[static_cast<std::size_t>(t)];
     Template& to = buffers_.templates[static_cast<std::size_t>(t)];
-    to = {used, range.count, ScoreScale(range.gradient_weight_sum, range.normal_weight_sum),
+    const auto features = matched_features(model, range, pyramid);
+    to = {used, static_cast<int>(features.size()),
+          ScoreScale(range.gradient_weight_sum, range.normal_weight_sum),
           static_cast<std::int16_t>(t / depth.roll_count),
           static_cast<std::int16_t>(t % depth.roll_count)};
-    for (const Feature& f : model.features(range)) {
+    for (const Feature& f : features) {
       const std::ptrdiff_t x = (f.x * scale + 128) >> 8, y = (f.y * scale + 128) >> 8;
       buffers_.features[static_cast<std::size_t>(used++)] = {
           static_cast<std::int32_t>(y * stride + x), f.gradient_bits, f.gradient_weight,
@@ -136,7 +139,7 @@ int Scanner::scan(const ObjectModel& model, int model_index, int distance_index,
                   std::span<Candidate> out, int& lost) {
   const int l = plan.level[model.info().scan_depth][distance_index];
   const PyramidLevel& level = pyramid.level(l);
-  load_templates(model, distance_index, plan, level.plain.stride);
+  load_templates(model, distance_index, plan, pyramid, level.plain.stride);
   columns_ = level.width / 2;
   const int rows = level.height / 2;
   const DistanceGate gate(model);

@@ -62,7 +62,7 @@ class Scanner {
   template <class Source>
   static Buffers take(const ScanLimits& limits, Source& source);
   void load_templates(const ObjectModel& model, int distance_index, const ScalePlan& plan,
-                      std::ptrdiff_t stride);
+                      const FeaturePyramid& pyramid, std::ptrdiff_t stride);
   // The cells of a row between the first and the last at which the distance is possible.
   struct CellSpan {
     int first, end;

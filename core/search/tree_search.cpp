@@ -49,7 +49,9 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
   const ObjectModel& model = context.models[static_cast<std::size_t>(model_index)];
   const ScalePlan& plan = context.plans[static_cast<std::size_t>(model_index)];
   const int scan_depth = model.info().scan_depth;
-  const int threshold = static_cast<int>(params_.score_min * kScoreOne);
+  const double score_min =
+      context.pyramid.with_depth() ? params_.score_min : params_.gradient_score_min;
+  const int threshold = static_cast<int>(score_min * kScoreOne);
   const int place = place_px(model, context.pyramid.level(0).camera);
   const auto limits_at = [&](int step) {
     return SelectLimits{params_.candidates_max[step], params_.per_place_max[step],

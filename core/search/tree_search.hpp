@@ -18,7 +18,8 @@ namespace binpick {
 // visible parts, the one per viewpoint of the scan (origin) for sides that fit less than plain
 // ones.
 struct SearchParams {
-  double score_min = 0.9;  // of both modalities together, 0..2, at every depth
+  double score_min = 0.9;           // of both modalities together, 0..2, at every depth
+  double gradient_score_min = 0.5;  // without depth, of the gradients alone, 0..1
   int candidates_max[4] = {16000, 10000, 6000, 6000};
   int per_place_max[4] = {24, 24, 16, 16};
   int per_origin_max[4] = {24, 3, 2, 2};

@@ -28,6 +28,11 @@ std::string image_path(const fs::path& folder, int id) {
   throw DatasetError(stem.string() + ".*: there is no such PNG, TIFF or JPEG file");
 }
 
+bool has_folder(const std::string& scene_path, const char* name) {
+  std::error_code error;
+  return fs::is_directory(fs::path(scene_path) / name, error);
+}
+
 Pose symmetry_from_json(const JsonNode& node) {
   const std::vector<double> v = node.numbers(16);
   const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> M(v.data());
@@ -101,7 +106,8 @@ BopScene BopDataset::scene(int scene_id) const {
   const nlohmann::json json = read_json_file(path);
   for (const auto& [key, node] : JsonNode(json, path).members()) {
     const FrameCamera camera = camera_from_json(node);
-    if (!camera.depth_scale) node.fail("has no key \"depth_scale\"");
+    if (!camera.depth_scale && has_folder(scene.path, "depth"))
+      node.fail("has no key \"depth_scale\"");
     scene.frames[id_from_key(key, node)] = camera;
   }
   return scene;
@@ -114,15 +120,15 @@ LoadedFrame BopDataset::load_frame(const BopScene& scene, int im_id) const {
     throw DatasetError((folder / "scene_camera.json").string() + ": has no entry for image " +
                        std::to_string(im_id));
   }
-  // A sensor without intensity has neither folder; a folder without the image is a fault.
-  std::error_code error;
-  std::string intensity;
-  if (fs::is_directory(folder / "gray", error)) {
-    intensity = image_path(folder / "gray", im_id);
-  } else if (fs::is_directory(folder / "rgb", error)) {
-    intensity = image_path(folder / "rgb", im_id);
+  // A sensor without depth or without intensity has no such folder; a folder without the image is a
+  // fault, and so is a scene without any.
+  std::string depth, intensity;
+  for (const char* name : {"rgb", "gray"}) {
+    if (has_folder(scene.path, name)) intensity = image_path(folder / name, im_id);
   }
-  return load_frame_files(image_path(folder / "depth", im_id), intensity, it->second);
+  if (intensity.empty() || has_folder(scene.path, "depth"))
+    depth = image_path(folder / "depth", im_id);
+  return load_frame_files(depth, intensity, it->second);
 }
 
 std::map<int, BopModel> BopDataset::models() const {

@@ -72,7 +72,8 @@ FrameCamera load_camera_file(const std::string& path) {
 
 Frame LoadedFrame::view() const {
   Frame frame;
-  frame.depth_mm = {depth_mm.data(), camera.width, camera.height, camera.width};
+  if (!depth_mm.empty())
+    frame.depth_mm = {depth_mm.data(), camera.width, camera.height, camera.width};
   if (!intensity.empty())
     frame.intensity = {intensity.data(), camera.width, camera.height, camera.width};
   frame.camera = camera;
@@ -83,30 +84,39 @@ Frame LoadedFrame::view() const {
 
 LoadedFrame load_frame_files(const std::string& depth_path, const std::string& intensity_path,
                              const FrameCamera& camera) {
-  if (!camera.depth_scale) {
-    throw DatasetError(depth_path +
-                       ": the camera file gives no depth_scale (mm per unit of the depth image)");
-  }
-  ImageBuffer<float> depth = read_depth_mm(depth_path, *camera.depth_scale);
   LoadedFrame frame;
   frame.camera = camera.intrinsics;
   frame.roi = camera.roi;
-  frame.depth_scale_mm = *camera.depth_scale;
-  if ((camera.intrinsics.width != 0 && camera.intrinsics.width != depth.width) ||
-      (camera.intrinsics.height != 0 && camera.intrinsics.height != depth.height)) {
-    throw DatasetError(depth_path + ": is " + size_text(depth.width, depth.height) +
-                       ", the camera file says " +
-                       size_text(camera.intrinsics.width, camera.intrinsics.height));
+  // What sizes the frame, and what it is called where another image differs.
+  std::string sized_by;
+  const auto take_size = [&](const std::string& path, int width, int height) {
+    const std::string is = path + ": is " + size_text(width, height);
+    if (!sized_by.empty() && (frame.camera.width != width || frame.camera.height != height)) {
+      throw DatasetError(is + ", " + sized_by + " is " +
+                         size_text(frame.camera.width, frame.camera.height));
+    }
+    if ((camera.intrinsics.width != 0 && camera.intrinsics.width != width) ||
+        (camera.intrinsics.height != 0 && camera.intrinsics.height != height)) {
+      throw DatasetError(is + ", the camera file says " +
+                         size_text(camera.intrinsics.width, camera.intrinsics.height));
+    }
+    frame.camera.width = width;
+    frame.camera.height = height;
+    sized_by = "its depth image";
+  };
+  if (!depth_path.empty()) {
+    if (!camera.depth_scale) {
+      throw DatasetError(depth_path +
+                         ": the camera file gives no depth_scale (mm per unit of the depth image)");
+    }
+    ImageBuffer<float> depth = read_depth_mm(depth_path, *camera.depth_scale);
+    take_size(depth_path, depth.width, depth.height);
+    frame.depth_scale_mm = *camera.depth_scale;
+    frame.depth_mm = std::move(depth.pixels);
   }
-  frame.camera.width = depth.width;
-  frame.camera.height = depth.height;
-  frame.depth_mm = std::move(depth.pixels);
   if (!intensity_path.empty()) {
     ImageBuffer<std::uint8_t> gray = read_gray(intensity_path);
-    if (gray.width != depth.width || gray.height != depth.height) {
-      throw DatasetError(intensity_path + ": is " + size_text(gray.width, gray.height) +
-                         ", its depth image is " + size_text(depth.width, depth.height));
-    }
+    take_size(intensity_path, gray.width, gray.height);
     frame.intensity = std::move(gray.pixels);
   }
   return frame;

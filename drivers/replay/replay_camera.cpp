@@ -226,7 +226,7 @@ void ReplayCamera::fill(DecodedFrame& decoded) {
   std::copy(decoded.loaded->intensity.begin(), decoded.loaded->intensity.end(),
             slot.intensity.begin());
   slot.frame = view;
-  slot.frame.depth_mm.data = slot.depth_mm.data();
+  if (!view.depth_mm.empty()) slot.frame.depth_mm.data = slot.depth_mm.data();
   if (!view.intensity.empty()) slot.frame.intensity.data = slot.intensity.data();
   slot.frame.device_ns = decoded.device_ns;
   slot.frame.sequence = decoded.sequence;

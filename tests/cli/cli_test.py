@@ -110,6 +110,8 @@ class UsageTest(CliTest):
         self.refused(USAGE, ["--model"], "detect")
         self.refused(USAGE, ["--depth"], "detect", "--model", self.model)
         self.refused(USAGE, ["--camera"], "detect", "--model", self.model, "--depth", "depth.png")
+        self.refused(USAGE, ["--camera"], "detect", "--model", self.model,
+                     "--intensity", "gray.png")
         self.refused(USAGE, ["MODEL"], "info")
         for command in ("eval", "score"):
             run = self.start(command)
@@ -231,6 +233,23 @@ class DetectTest(CliTest):
         self.refused(CANNOT_START, ["small.png", "10x10"], *self.detect("--intensity", "small.png"))
         self.refused(CANNOT_START, ["small.png"], *self.detect("--depth", "small.png"))
 
+    def test_modality(self):
+        images = {"depth": ["--depth", "depth.png"], "intensity": ["--intensity", "gray.png"]}
+        for name, missing in (("depth", "intensity"), ("intensity", "depth")):
+            alone = ["detect", "--model", self.model, "--camera", "camera.json", *images[name]]
+            for chosen in ("automatic", name):
+                with self.subTest(frame=name, modality=chosen):
+                    run = self.start(*alone, "--modality", chosen, "--json", "-")
+                    self.assertEqual((run.returncode, run.stderr), (0, ""))
+                    settings = json.loads(run.stdout)["settings"]
+                    self.assertEqual(settings["modality"], chosen)
+            for chosen in (missing, "depth_and_intensity"):
+                with self.subTest(frame=name, modality=chosen):
+                    self.refused(FAILURE, [f"no {missing} image"], *alone, "--modality", chosen)
+        both = [self.start(*self.detect("--modality", m, "--min-score", "0", "--json", "-"))
+                for m in ("automatic", "depth_and_intensity")]
+        self.assertEqual(*(json.loads(run.stdout)["detections"] for run in both))
+
     def test_camera(self):
         self.refused(CANNOT_START, ["nocamera.json"], *self.detect("--camera", "nocamera.json"))
         self.file("list.json", "[1, 2, 3]")
@@ -252,7 +271,8 @@ class DetectTest(CliTest):
     def test_values(self):
         for option, value in (("--max-results", "0"), ("--max-results", "x"),
                               ("--min-score", "1.5"), ("--min-score", "-1"), ("--threads", "0"),
-                              ("--layout", "round"), ("--isa", "mmx")):
+                              ("--layout", "round"), ("--isa", "mmx"),
+                              ("--modality", "gray")):
             with self.subTest(option=option, value=value):
                 self.refused(USAGE, [option], *self.detect(f"{option}={value}"))
 

@@ -157,21 +157,26 @@ TEST(ConfigFiles, RecipesAreReadFromBesideTheMainFile) {
   ConfigFolder f;
   f.write("binpick.toml", kTwoRecipes);
   f.write("a.toml", "number = 3\nmodels = ['tee.bpm']\nroi_px = [10, 20, 300, 200]\n");
-  f.write("b.toml", "number = 1\nmodels = ['/opt/hub.bpm']\nmin_score = 0.25\n");
+  f.write("b.toml",
+          "number = 1\nmodels = ['/opt/hub.bpm']\nmin_score = 0.25\nmodality = 'intensity'\n");
   const Config c = load_config(f.path("binpick.toml"));
   ASSERT_EQ(2u, c.recipes.size());
   EXPECT_EQ(3, c.recipes[0].number);
   EXPECT_THAT(c.recipes[0].models, ElementsAre(f.path("tee.bpm")));
   EXPECT_THAT(c.recipes[1].models, ElementsAre("/opt/hub.bpm"));
   EXPECT_EQ(0.25, c.recipes[1].min_score);
+  EXPECT_EQ(Modality::kAutomatic, c.recipes[0].modality);
+  EXPECT_EQ(Modality::kIntensity, c.recipes[1].modality);
 }
 
 TEST(ConfigFiles, TheFaultsOfAllFilesComeInOneGo) {
   ConfigFolder f;
   f.write("binpick.toml", std::string(kTwoRecipes) + "station.rankin = 'score'\n");
-  f.write("a.toml", "models = []\nmin_score = 2\n");
+  f.write("a.toml", "models = []\nmin_score = 2\nmodality = 'gray'\n");
   EXPECT_THAT(f.error(), HasSubstr("binpick.toml:3:9: station.rankin: there is no such key"));
   EXPECT_THAT(f.error(), HasSubstr("a.toml:2:1: min_score: 2 is outside of 0 to 1"));
+  EXPECT_THAT(f.error(), HasSubstr("a.toml:3:1: modality: 'gray' is none of automatic, "
+                                   "depth_and_intensity, depth, intensity"));
   EXPECT_THAT(f.error(), HasSubstr("a.toml: number: must be set"));
   EXPECT_THAT(f.error(), HasSubstr("a.toml:1:1: models: must name a file at least"));
   EXPECT_THAT(f.error(), HasSubstr("b.toml: there is no such file"));
@@ -194,9 +199,11 @@ TEST(ConfigChanges, KnowsWhatNeedsARestart) {
   b.station.deadline_ms = 100;
   b.sensor.width_max = 640;
   b.recipes[0].min_score = 0.6;
+  b.recipes[0].modality = Modality::kDepth;
   b.recipes[0].number = 2;
   const ConfigChanges changes = compare(a, b, {});
-  EXPECT_THAT(changes.live, ElementsAre("station.deadline_ms", "recipe 0: min_score"));
+  EXPECT_THAT(changes.live,
+              ElementsAre("station.deadline_ms", "recipe 0: modality", "recipe 0: min_score"));
   EXPECT_THAT(changes.restart, ElementsAre("sensor.width_max", "recipe 0: number"));
 }
 

@@ -31,7 +31,7 @@ Evidence good_evidence() {
 }
 
 double score_of(const Evidence& e) {
-  return probability(score_terms(e, 1.6), true, ModelTrials{});
+  return probability(score_terms(e, 1.6), Modality::kDepthAndIntensity, ModelTrials{});
 }
 
 TEST(PoseScore, IsAProbability) {
@@ -104,10 +104,47 @@ TEST(PoseScore, DepthAloneIsEnough) {
   e.outline_matches = 0;
   e.outline_offset_px = 0;
   e.contours_supported = e.outline_steps;
-  EXPECT_GT(probability(score_terms(e, 1.6), false, ModelTrials{}), 0.8);
+  EXPECT_GT(probability(score_terms(e, 1.6), Modality::kDepth, ModelTrials{}), 0.8);
   e.outline_steps = 30;  // the outline lies where nothing ends
   e.contours_supported = 30;
-  EXPECT_LT(probability(score_terms(e, 1.6), false, ModelTrials{}), 0.8);
+  EXPECT_LT(probability(score_terms(e, 1.6), Modality::kDepth, ModelTrials{}), 0.8);
+}
+
+// Of a part of which only the intensity is seen.
+Evidence good_contours() {
+  Evidence e;
+  e.seen = Modality::kIntensity;
+  e.samples = e.unknown = 200;
+  e.contours = 100;
+  e.contours_supported = 92;
+  e.outline_matches = 97;
+  e.outline_offset_px = 30;
+  e.creases = 40;
+  e.creases_supported = 34;
+  e.explained_mm2 = 900;
+  e.px2_per_mm2 = 7;
+  e.weakest_side = 0.85;
+  e.plain = 80;
+  e.stray_edges = 4;
+  return e;
+}
+
+TEST(PoseScore, IntensityAloneIsEnough) {
+  const auto score_of = [](const Evidence& e) {
+    return probability(score_terms(e, 0.85), Modality::kIntensity, ModelTrials{});
+  };
+  const double best = score_of(good_contours());
+  EXPECT_GT(best, 0.8);
+  const auto worse = [&](auto&& change) {
+    Evidence e = good_contours();
+    change(e);
+    return score_of(e);
+  };
+  EXPECT_LT(worse([](Evidence& e) { e.contours_supported = 50, e.outline_continued = 40; }),
+            0.5 * best);
+  EXPECT_LT(worse([](Evidence& e) { e.weakest_side = 0.1; }), best) << "a side without an edge";
+  EXPECT_EQ(worse([](Evidence& e) { e.hidden = 100; }), best) << "cannot be known";
+  EXPECT_EQ(worse([](Evidence& e) { e.contradicted = 100; }), best) << "cannot be known";
 }
 
 TEST(PoseScore, TermsHaveNames) {

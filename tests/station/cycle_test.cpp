@@ -78,6 +78,37 @@ constexpr std::pair<ErrorCode, Cause> kErrors[] = {
     {ErrorCode::kSensorRefused, Cause::kSensorRefused},
     {ErrorCode::kArenaTooSmall, Cause::kInternalFault}};
 
+TEST(Cycle, ARecipeChoosesTheImages) {
+  StationBench bench;
+  bench.config.recipes[0].modality = Modality::kIntensity;
+  const CycleResult& r = bench.run(OrderCode::kDetect);
+  EXPECT_EQ(Cause::kDone, r.cause);
+  ASSERT_FALSE(r.picks.empty());
+  std::vector<Vec3> with_depth;
+  for (const Pick& pick : r.picks) with_depth.push_back(pick.T_ref_pick.t_mm);
+  bench.source.without_depth = true;
+  bench.run(OrderCode::kDetect);
+  ASSERT_EQ(with_depth.size(), r.picks.size()) << "depth was not looked at";
+  for (std::size_t i = 0; i < with_depth.size(); ++i)
+    EXPECT_EQ(with_depth[i], r.picks[i].T_ref_pick.t_mm);
+  bench.source.without_depth = false;
+  bench.source.without_intensity = true;
+  bench.run(OrderCode::kDetect);
+  EXPECT_EQ(Cause::kDetectionFailed, r.cause);
+  EXPECT_EQ(ErrorCode::kFrameWithoutIntensity, r.error.code);
+  EXPECT_TRUE(r.picks.empty());
+}
+
+TEST(Cycle, AReloadChangesTheImagesLookedAt) {
+  StationBench bench;
+  bench.source.without_depth = true;
+  EXPECT_EQ(Cause::kDone, bench.run(OrderCode::kDetect).cause) << "automatic: what there is";
+  bench.config.recipes[0].modality = Modality::kDepth;
+  bench.recipes->take_live_values(bench.config.recipes);
+  EXPECT_EQ(Cause::kDetectionFailed, bench.run(OrderCode::kDetect).cause);
+  EXPECT_EQ(ErrorCode::kFrameWithoutDepth, bench.cycle().result().error.code);
+}
+
 TEST(Cycle, EveryCauseIsReached) {
   std::set<Cause> reached = {Cause::kBusy};  // of the control socket: daemon/handshake_test.py
   StationBench bench;

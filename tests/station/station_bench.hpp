@@ -41,6 +41,8 @@ class ScriptedSource final : public FrameSource {
     std::copy_n(source.intensity.data, scene->gray.size(), slot.intensity.begin());
     slot.frame.depth_mm.data = slot.depth_mm.data();
     slot.frame.intensity.data = slot.intensity.data();
+    if (without_depth) slot.frame.depth_mm = {};
+    if (without_intensity) slot.frame.intensity = {};
     if (bad_camera) slot.frame.camera.fx = 0;
     slot.frame.sequence = static_cast<std::uint64_t>(grabs);
     slot.frame.capture_ns = monotonic_ns();
@@ -49,6 +51,7 @@ class ScriptedSource final : public FrameSource {
 
   const BracketScene* scene = nullptr;
   bool wait_for_deadline = false, blank = false, bad_camera = false;
+  bool without_depth = false, without_intensity = false;
   ErrorCode error = ErrorCode::kNone;
   int grabs = 0;
 

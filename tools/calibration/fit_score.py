@@ -3,17 +3,21 @@
 wrote.
 
 usage: fit_score.py DATASET=EVIDENCE.csv... --depth-alone DATASET=EVIDENCE.csv...
-           [--check ...] [--check-depth-alone ...] [--header FILE]
+           --intensity-alone DATASET=EVIDENCE.csv... [--check ...] [--check-depth-alone ...]
+           [--check-intensity-alone ...] [--header FILE]
 
 A logistic model by maximum likelihood with a small quadratic penalty; every part of every data
 set has the same weight in all. A detection is right when it is within 5 mm and 7.5 deg per axis
 (or, for parts whose diameter is below 67 mm, 7.5 % of it) of a part in the scene, whatever can be
-seen of that. Frames without intensity (--depth-alone) have weights of their own. Data sets under
---check are not fitted; for all it prints how the probability holds: of the detections with a
-probability around p, the share that is right. Needs numpy and scipy.
+seen of that. Frames without intensity (--depth-alone) and frames without depth
+(--intensity-alone) have weights of their own; a table whose data sets are left out stays as it
+stands in FILE. Data sets under --check are not fitted; for all it prints how the probability
+holds: of the detections with a probability around p, the share that is right. Needs numpy and
+scipy.
 """
 import csv
 import json
+import re
 import sys
 
 import numpy as np
@@ -100,7 +104,7 @@ def load(argument):
 
 
 # Evidence against a pose; all other terms speak for it. No weight may have the other sign.
-AGAINST = {'contradicted', 'hidden', 'outline_continued', 'outline_offset'}
+AGAINST = {'contradicted', 'hidden', 'outline_continued', 'outline_offset', 'stray_edges'}
 
 
 def fit(names, terms, right, weight):
@@ -180,8 +184,25 @@ def table_of(name, fitted, checked):
     return TABLE % (name, lines)
 
 
+# The option that names the data sets of each table, '' for those named first.
+TABLES = {
+    'kScoreWeights': '',
+    'kScoreWeightsOfDepthAlone': '-depth-alone',
+    'kScoreWeightsOfIntensityAlone': '-intensity-alone',
+}
+
+
+# As it stands in the header.
+def kept_table(name, text):
+    found = re.search(r'inline constexpr ScoreWeights %s = \{\n.*?\};\n' % name, text, re.DOTALL)
+    if not found:
+        sys.exit('%s: neither data sets nor a table in the header' % name)
+    return found.group()
+
+
 def main():
-    sets = {'': [], '--depth-alone': [], '--check': [], '--check-depth-alone': []}
+    sets = {'-' + o if o else '': [] for o in TABLES.values()}
+    sets.update({'--check' + o: [] for o in TABLES.values()})
     header, into = None, ''
     arguments = iter(sys.argv[1:])
     for a in arguments:
@@ -191,14 +212,18 @@ def main():
             into = a
         else:
             sets[into].append(a)
-    if not sets[''] or not sets['--depth-alone']:
+    fitted = {name: sets['-' + o if o else ''] for name, o in TABLES.items()}
+    if not any(fitted.values()):
         sys.exit(__doc__)
-    tables = [
-        table_of('kScoreWeights', sets[''], sets['--check']),
-        table_of('kScoreWeightsOfDepthAlone', sets['--depth-alone'], sets['--check-depth-alone']),
-    ]
+    tables = {
+        name: table_of(name, fitted[name], sets['--check' + option])
+        for name, option in TABLES.items()
+        if fitted[name]
+    }
     if header:
-        open(header, 'w').write(HEADER % '\n'.join(tables))
+        present = open(header).read()
+        text = [tables.get(name) or kept_table(name, present) for name in TABLES]
+        open(header, 'w').write(HEADER % '\n'.join(text))
 
 
 if __name__ == '__main__':

@@ -7,12 +7,14 @@ namespace binpick {
 enum class ErrorCode : int {
   kNone = 0,
   // Frames
-  kFrameEmpty = 100,         // zero width or height, or no depth and no intensity
-  kFrameSizeMismatch = 101,  // depth and intensity differ in size
-  kFrameTooLarge = 102,      // larger than the detector was built for
-  kIntrinsicsInvalid = 103,  // focal length not positive or not finite
-  kRoiOutsideImage = 104,    // the region of interest shares no pixel with the image
-  kRoiTooLarge = 105,        // larger than the detector was built for
+  kFrameEmpty = 100,             // zero width or height, or no depth and no intensity
+  kFrameSizeMismatch = 101,      // depth and intensity differ in size
+  kFrameTooLarge = 102,          // larger than the detector was built for
+  kIntrinsicsInvalid = 103,      // focal length not positive or not finite
+  kRoiOutsideImage = 104,        // the region of interest shares no pixel with the image
+  kRoiTooLarge = 105,            // larger than the detector was built for
+  kFrameWithoutDepth = 106,      // depth was chosen, and the frame has no depth image
+  kFrameWithoutIntensity = 107,  // intensity was chosen, and the frame has no intensity image
   // Models
   kModelTruncated = 200,       // shorter than its header says
   kModelForeign = 201,         // not a model file at all

@@ -13,6 +13,7 @@
 #include "binpick/base/result.hpp"
 #include "binpick/base/worker_pool.hpp"
 #include "binpick/frame/frame.hpp"
+#include "binpick/frame/modality.hpp"
 #include "binpick/model/object_model.hpp"
 #include "binpick/report/detection.hpp"
 #include "binpick/search/map_layout.hpp"
@@ -37,6 +38,7 @@ struct DetectorParams {
 struct DetectRequest {
   // Which of the detector's models to look for; empty: all.
   std::span<const int> model_indices;
+  Modality modality = Modality::kAutomatic;  // which of the frame's images to look at
   int max_results = 64;
   double min_score = 0.85;  // probability that the pose is right
   // On the detector's clock: what is verified by then is answered, and the report says cut_short.
@@ -60,9 +62,10 @@ class Detector {
   Detector(const Detector&) = delete;
   Detector& operator=(const Detector&) = delete;
 
-  // Errors: frame empty, sizes differ or exceed the limits, intrinsics invalid, ROI outside the
-  // image, model trained for a camera that re-scaling cannot bridge. An all-invalid frame is an
-  // empty report.
+  // Errors: frame empty or without an image that the request's modality needs, sizes differ or
+  // exceed the limits, intrinsics invalid, ROI outside the image, model trained for a camera that
+  // re-scaling cannot bridge. A frame whose depth is all invalid is an empty report where depth is
+  // looked at.
   Result<DetectionReport> detect(const Frame& frame, const DetectRequest& request) noexcept;
 
  private:

@@ -5,6 +5,8 @@
 
 #include <cstdint>
 
+#include "binpick/frame/modality.hpp"
+
 namespace binpick {
 
 // Of this part: log odds that a pose is right = slope * (log odds by the evidence) + offset.
@@ -24,13 +26,22 @@ struct SelfTestRecord {
 };
 
 struct ModelTrials {
-  ScoreCalibration with_intensity, depth_alone;
+  ScoreCalibration with_intensity, depth_alone, intensity_alone;
   std::int32_t calibration_piles = 0;  // 0: not calibrated
   std::int32_t reserved = 0;
   // What the covariance of a pose, reckoned as if all measurements erred on their own, has to be
-  // multiplied by to be that of the errors seen.
+  // multiplied by to be that of the errors seen; poses from intensity alone have their own.
   double variance_scale = 4;
+  double variance_scale_intensity_alone = 12;
   SelfTestRecord self_test;
+
+  const ScoreCalibration& calibration_of(Modality seen) const {
+    if (seen == Modality::kIntensity) return intensity_alone;
+    return seen == Modality::kDepth ? depth_alone : with_intensity;
+  }
+  double variance_scale_of(Modality seen) const {
+    return seen == Modality::kIntensity ? variance_scale_intensity_alone : variance_scale;
+  }
 };
 
 }  // namespace binpick

@@ -22,29 +22,33 @@ enum class ScoreTerm : int {
   kOutlineContinued,  // share of it with one smooth surface on both sides
   kOutlineOffset,     // px from the outline to the image edges beside it, on average
   kCreases,           // share of the visible creases on an image edge
-  kTemplate,          // score of the matched template, 0..2
+  kTemplate,          // score of the matched template, 0..2; without depth 0..1
+  kWeakestSide,       // log of: share of the outline on an image edge, on the side with least;
+                      // without depth alone, as is the next
+  kStrayEdges,        // share of the visible surface, away from its contours, on an image edge
 };
-inline constexpr int kScoreTermCount = 11;
+inline constexpr int kScoreTermCount = 13;
 const char* score_term_name(ScoreTerm term);  // snake_case, as written to CSV
 using ScoreTerms = std::array<double, kScoreTermCount>;
 
 // One accepted pose.
 struct Detection {
-  int model_index = 0;          // index into the models the detector was made with
-  Pose T_cam_obj;               // object to camera, mm
-  double score = 0;             // probability that the pose is right, in [0, 1]
-  double visible_fraction = 0;  // share of the model's visible surface that the scene does not hide
-  double depth_support = 0;     // of the visible surface with a measurement: share that agrees
-  double contour_support = 0;   // share of the visible contour that lies on an image or depth edge
+  int model_index = 0;           // index into the models the detector was made with
+  Pose T_cam_obj;                // object to camera, mm
+  double score = 0;              // probability that the pose is right, in [0, 1]
+  double visible_fraction = 0;   // share of the model's visible surface that the scene does not
+                                 // hide; 1 without depth, which alone could tell
+  double depth_support = 0;      // of the visible surface with a measurement: share that agrees
+  double contour_support = 0;    // share of the visible contour that lies on an image or depth edge
   double depth_residual_mm = 0;  // median |point-to-plane residual| over the supported surface
-  double template_score = 0;     // sum of the two modalities' scores at the matched leaf, in [0, 2]
-  int template_index = -1;       // the matched leaf of the pose tree
+  double template_score = 0;  // sum of the modalities' scores at the matched leaf, each in [0, 1]
+  int template_index = -1;    // the matched leaf of the pose tree
   ScoreTerms score_terms{};
   PoseUncertainty uncertainty;
 };
 
-// Measured pixels that a better detection explains already: beyond this share it is the same part
-// again.
+// Measured pixels (without depth: pixels) that a better detection explains already: beyond this
+// share it is the same part again.
 inline constexpr double kOwnedShareMax = 0.35;
 
 // Why a candidate did not become a detection.

@@ -32,7 +32,7 @@ struct FrameCamera {
 // Reads {fx, fy, cx, cy} or {cam_K}; depth_scale, width, height and roi [x, y, w, h] are optional.
 FrameCamera load_camera_file(const std::string& path);
 
-// depth_mm holds 0 where nothing was measured. intensity is empty where the source has none.
+// depth_mm holds 0 where nothing was measured. Either image is empty where the source has none.
 struct LoadedFrame {
   std::vector<float> depth_mm;
   std::vector<std::uint8_t> intensity;
@@ -45,7 +45,7 @@ struct LoadedFrame {
 };
 
 // Reads one frame from a 16-bit depth image and an 8-bit gray or colour image of the same size
-// (PNG, TIFF, JPEG; `intensity_path` empty: the source has none).
+// (PNG, TIFF, JPEG). An empty path: the source has none; one of the two must be there.
 LoadedFrame load_frame_files(const std::string& depth_path, const std::string& intensity_path,
                              const FrameCamera& camera);
 
