@@ -38,6 +38,7 @@ std::string description(std::uint64_t mesh_hash, const train::TrainOptions& o,
   add("normal_codebook", static_cast<double>(o.normal_codebook));
   add("contour_features", o.contour_features), add("surface_features", o.surface_features);
   add("calibration_piles", trials.calibration_piles), add("test_piles", trials.test_piles);
+  if (trials.calibration_piles > 0 || trials.test_piles > 0) add("trials", kTrialsRevision);
   return text + " seed " + std::to_string(o.seed);
 }
 

@@ -14,8 +14,14 @@ namespace binpick::app {
 // Counts changes of the trainer that give other models from the same options: raising it makes
 // every cached model out of date.
 inline constexpr int kTrainerRevision = 5;
+// The same of the detector, as far as trials in simulated piles tell something else. The templates
+// stay.
+inline constexpr int kTrialsRevision = 1;
+// No trials: templates alone.
+inline constexpr TrialPlan kNoTrials{0, 0};
 
-// FNV-1a 64 over the mesh's hash, the trainer's revision and all options.
+// FNV-1a 64 over the mesh's hash, the revisions and all options; without trials those of trials
+// left out.
 std::uint64_t training_key(std::uint64_t mesh_hash, const train::TrainOptions& options,
                            const TrialPlan& trials);
 

@@ -1,6 +1,7 @@
 #include "eval/model_set.hpp"
 
 #include <chrono>
+#include <optional>
 #include <stdexcept>
 
 namespace binpick::app {
@@ -54,29 +55,49 @@ GroupMeasurements measure(const ModelSetRequest& request,
   return found;
 }
 
-// The bytes of a model; trains when the cache has none that can be read.
+// What the cache has of a part, if it can be read.
+std::optional<std::vector<std::uint8_t>> cached(const ModelCache& cache, int obj_id,
+                                                std::uint64_t key, const EvalTalk& talk) {
+  auto bytes = cache.find(obj_id, key);
+  if (!bytes) return std::nullopt;
+  const auto model = ObjectModel::parse(*bytes);
+  if (model.ok()) return bytes;
+  if (talk.note) {
+    talk.note(cache.path_of(obj_id, key) + ": " + error_message(model.error().code) +
+              "; training anew");
+  }
+  return std::nullopt;
+}
+
+// The bytes of a model. What the cache has not is made: templates and trials each for itself.
 std::vector<std::uint8_t> train_or_find(const Part& part, const train::TrainOptions& options,
                                         const ModelSetRequest& request, WorkerPool& pool,
                                         const EvalTalk& talk, ModelOrigin& origin) {
   const ModelCache& cache = request.cache;
-  const std::uint64_t key = training_key(part.imported.source_hash, options, request.trials);
-  if (auto bytes = cache.find(origin.obj_id, key)) {
-    const auto model = ObjectModel::parse(*bytes);
-    origin.from_cache = model.ok();
-    if (model.ok()) return std::move(*bytes);
-    if (talk.note) {
-      talk.note(cache.path_of(origin.obj_id, key) + ": " + error_message(model.error().code) +
-                "; training anew");
-    }
-  }
-  const std::string of_object = " of object " + std::to_string(origin.obj_id);
+  const int obj_id = origin.obj_id;
+  const auto key_of = [&](const TrialPlan& trials) {
+    return training_key(part.imported.source_hash, options, trials);
+  };
+  const std::uint64_t key = key_of(request.trials);
+  auto found = cached(cache, obj_id, key, talk);
+  origin.from_cache = found.has_value();
+  if (found) return std::move(*found);
+
   const auto begin = std::chrono::steady_clock::now();
-  TrainedPart trained = train_part(part.imported, options, request.trials, pool,
-                                   [&](const std::string& step, double share) {
-                                     if (talk.progress) talk.progress(step + of_object, share);
-                                   });
+  const auto tell = [&](const std::string& step, double share) {
+    if (talk.progress) talk.progress(step + " of object " + std::to_string(obj_id), share);
+  };
+  const std::uint64_t templates_key = key_of(kNoTrials);
+  auto templates = key == templates_key ? std::nullopt : cached(cache, obj_id, templates_key, talk);
+  if (!templates) {
+    templates = train::train_model(part.imported, options, pool,
+                                   [&](double share) { tell("training", share); });
+    cache.keep(obj_id, templates_key, *templates);
+  }
+  TrainedPart trained =
+      try_part(std::move(*templates), part.imported, options, request.trials, pool, tell);
+  if (key != templates_key) cache.keep(obj_id, key, trained.model);
   origin.train_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  cache.keep(origin.obj_id, key, trained.model);
   return std::move(trained.model);
 }
 

@@ -69,12 +69,21 @@ void calibrate(const ObjectModel& model, const PartGeometry& geometry,
 TrainedPart train_part(const train::ImportedMesh& part, const train::TrainOptions& options,
                        const TrialPlan& plan, WorkerPool& pool,
                        const PartTrainingProgress& progress) {
+  const auto tell = [&](double share) {
+    if (progress) progress("training", share);
+  };
+  return try_part(train::train_model(part, options, pool, tell), part, options, plan, pool,
+                  progress);
+}
+
+TrainedPart try_part(std::vector<std::uint8_t> model_bytes, const train::ImportedMesh& part,
+                     const train::TrainOptions& options, const TrialPlan& plan, WorkerPool& pool,
+                     const PartTrainingProgress& progress) {
   const auto tell = [&](const char* step, double share) {
     if (progress) progress(step, share);
   };
   TrainedPart out;
-  out.model =
-      train::train_model(part, options, pool, [&](double share) { tell("training", share); });
+  out.model = std::move(model_bytes);
   if (plan.calibration_piles <= 0 && plan.test_piles <= 0) return out;
 
   const PartGeometry geometry = geometry_of(parsed(out.model), part.mesh);

@@ -26,9 +26,15 @@ struct TrainedPart {
 // What is being done, and the share of it that is done.
 using PartTrainingProgress = std::function<void(const std::string& step, double share)>;
 
-// Throws what train_model throws. The same part, options and plan give the same bytes.
+// Templates, then what trials tell. Throws what train_model throws. The same part, options and plan
+// give the same bytes.
 TrainedPart train_part(const train::ImportedMesh& part, const train::TrainOptions& options,
                        const TrialPlan& plan, WorkerPool& pool,
                        const PartTrainingProgress& progress);
+
+// The second half alone: `model` is what train_model made of the part with these options.
+TrainedPart try_part(std::vector<std::uint8_t> model, const train::ImportedMesh& part,
+                     const train::TrainOptions& options, const TrialPlan& plan, WorkerPool& pool,
+                     const PartTrainingProgress& progress);
 
 }  // namespace binpick::app

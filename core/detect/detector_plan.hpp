@@ -14,7 +14,7 @@ namespace binpick {
 
 // Poses that go on from the search: of one model, and of all models of a request, which share them
 // evenly.
-inline constexpr std::size_t kHypothesesPerModel = 1000;
+inline constexpr std::size_t kHypothesesPerModel = 1200;
 inline constexpr std::size_t kHypothesesMax = 3000;
 // Pixels around the region of interest that are looked at too, so that parts at its rim have their
 // outline.

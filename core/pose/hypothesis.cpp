@@ -15,8 +15,7 @@ namespace {
 
 constexpr double kDegree = 3.14159265358979 / 180;
 // After refinement: closer than this is the same pose.
-constexpr double kSameRefinedRotation = 2.5 * kDegree;
-constexpr double kSameRefinedShare = 0.015;
+constexpr SameLimits kSameRefined{0.015, 2.5 * kDegree};
 // Hypotheses whose centres are this near compete for the same part.
 constexpr double kSamePlaceShare = 0.25;
 constexpr int kPnpRangePx = 6;
@@ -56,12 +55,20 @@ bool sane(const Pose& T) {
 
 }  // namespace
 
-bool same_pose(const PoseContext& context, const Hypothesis& a, const Hypothesis& b,
-               double position_mm, double rotation_rad) {
-  if (a.candidate.model != b.candidate.model) return false;
-  return context.moves[a.candidate.model].same(
-      a.T_cam_centre, compared(context.scene, a.T_cam_centre, b.T_cam_centre), position_mm,
-      rotation_rad);
+Neighbours neighbours_of(const PoseContext& context, std::span<const Hypothesis> better,
+                         const Hypothesis& h, const SameLimits& same) {
+  const double diameter_mm = context.models[h.candidate.model].info().diameter_mm;
+  const PartMoves& moves = context.moves[h.candidate.model];
+  Neighbours near;
+  for (const Hypothesis& other : better) {
+    if (other.candidate.model != h.candidate.model) continue;
+    const Pose beside = compared(context.scene, other.T_cam_centre, h.T_cam_centre);
+    near.repeated =
+        moves.same(other.T_cam_centre, beside, same.diameters * diameter_mm, same.angle_rad);
+    if (near.repeated) break;
+    near.at_place += (other.T_cam_centre.t_mm - beside.t_mm).norm() < kSamePlaceShare * diameter_mm;
+  }
+  return near;
 }
 
 ScoreTerms terms_of(const Hypothesis& h) {
@@ -146,21 +153,12 @@ int suppress(const PoseContext& context, std::span<Hypothesis> hypotheses, int p
   std::size_t kept = 0;
   for (const Hypothesis& h : hypotheses) {
     if (!h.alive) break;
-    const double diameter = context.models[h.candidate.model].info().diameter_mm;
-    int here = 0;
-    bool repeated = false;
-    for (std::size_t k = 0; k < kept && !repeated; ++k) {
-      const Hypothesis& better = hypotheses[k];
-      if (better.candidate.model != h.candidate.model) continue;
-      repeated = same_pose(context, better, h, kSameRefinedShare * diameter, kSameRefinedRotation);
-      const Pose beside = compared(context.scene, better.T_cam_centre, h.T_cam_centre);
-      here += (better.T_cam_centre.t_mm - beside.t_mm).norm() < kSamePlaceShare * diameter;
-    }
-    if (repeated || here >= per_place) {
-      count_drop(report, repeated ? DropReason::kDuplicate : DropReason::kLevelLimit);
+    const Neighbours near = neighbours_of(context, hypotheses.first(kept), h, kSameRefined);
+    if (near.repeated || near.at_place >= per_place) {
+      count_drop(report, near.repeated ? DropReason::kDuplicate : DropReason::kLevelLimit);
     } else {
       hypotheses[kept] = h;
-      hypotheses[kept++].leads = here == 0;
+      hypotheses[kept++].leads = near.at_place == 0;
     }
   }
   return static_cast<int>(kept);

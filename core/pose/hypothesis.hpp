@@ -43,11 +43,18 @@ struct PoseContext {
   WorkerPool& pool;
   Deadline deadline;  // of the stage: hypotheses that it does not reach are dropped
 };
-// Whether two hypotheses are of one model and their poses, or poses that its exact symmetries make
-// equal to them, differ by less than the limits. Without depth a difference in distance that hardly
-// shows does not count.
-bool same_pose(const PoseContext& context, const Hypothesis& a, const Hypothesis& b,
-               double position_mm, double rotation_rad);
+// What a list of better hypotheses has near another one. Without depth a difference in distance
+// that hardly shows does not count.
+struct Neighbours {
+  bool repeated = false;  // its pose, or one that an exact symmetry makes equal to it
+  int at_place = 0;       // that compete for the same part; not counted to the end where repeated
+};
+// How near poses are the same.
+struct SameLimits {
+  double diameters, angle_rad;
+};
+Neighbours neighbours_of(const PoseContext& context, std::span<const Hypothesis> better,
+                         const Hypothesis& h, const SameLimits& same);
 
 // Without depth PnP finds the distance too, and nothing is left for ICP.
 void run_pnp(const PoseContext& context, std::span<Hypothesis> hypotheses);

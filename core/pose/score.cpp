@@ -21,9 +21,11 @@ constexpr double kCreasesUnseen = 0.6;
 
 // Where the image shows that something is there, depth that is missing beyond what is usual speaks
 // neither for nor against it: what is asked of depth is asked of where there is some, if that is
-// enough to speak for the rest. Without an image nothing stands in for what was not measured.
+// enough to speak for the rest. Without an image nothing stands in for what was not measured, and
+// without depth nothing is asked of it.
 double known_share(const Evidence& e, double known, double usual) {
-  return e.with_intensity ? std::clamp(known, kMeasuredEnough, usual) / usual : 1;
+  if (e.seen != Modality::kDepthAndIntensity) return 1;
+  return std::clamp(known, kMeasuredEnough, usual) / usual;
 }
 
 double log_share(double share) {

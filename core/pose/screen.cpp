@@ -18,12 +18,11 @@ constexpr double kLeafErrorShare = 0.04;  // of the diameter
 // Support counts fully once this share of the surface is measured and not hidden.
 constexpr double kSeenEnough = 0.3;
 // Candidates nearer to each other than this are one: half a leaf's spacing.
-constexpr double kSameRotation = 5 * std::numbers::pi / 180;
-constexpr double kSamePositionShare = 0.03;  // of the diameter
-// Of a part that shows well hundreds of neighbouring templates fit: a few of them are as good a
-// start, and leave room for parts that show less.
-constexpr double kSamePlaceShare = 0.25;  // of the diameter, between centres
-constexpr int kPerPlace = 10;
+constexpr SameLimits kSameLeaf{0.03, 5 * std::numbers::pi / 180};
+// To a part that shows well hundreds of neighbouring templates fit. The last part of the room is
+// for places that have few candidates so far, of parts that show less.
+constexpr double kByRankShare = 0.75;
+constexpr int kPerPlace = 8;
 
 // At how much of the surface the measured one lies and faces the same way: fully up to 37 degrees
 // apart, not at all from 90. The share of what is measured and not hidden, times the root of the
@@ -78,6 +77,26 @@ Hypothesis screened(const PoseContext& context, const Candidate& candidate,
   return h;
 }
 
+struct Selection {
+  int kept = 0, repeated = 0;
+};
+
+// The best that do not repeat one another, of a list that is sorted.
+Selection select(const PoseContext& context, std::span<const Hypothesis> ranked,
+                 std::span<Hypothesis> out) {
+  Selection found;
+  const int by_rank = static_cast<int>(kByRankShare * static_cast<double>(out.size()));
+  for (const Hypothesis& h : ranked) {
+    if (!h.alive || found.kept == static_cast<int>(out.size())) break;
+    const Neighbours near =
+        neighbours_of(context, out.first(static_cast<std::size_t>(found.kept)), h, kSameLeaf);
+    found.repeated += near.repeated;
+    if (!near.repeated && (found.kept < by_rank || near.at_place < kPerPlace))
+      out[static_cast<std::size_t>(found.kept++)] = h;
+  }
+  return found;
+}
+
 }  // namespace
 
 int screen_candidates(const PoseContext& context, std::span<const Candidate> leaves,
@@ -94,31 +113,19 @@ int screen_candidates(const PoseContext& context, std::span<const Candidate> lea
   });
   const std::span<Hypothesis> ranked = scratch.first(leaves.size());
   std::sort(ranked.begin(), ranked.end(), better_hypothesis);
-  std::size_t kept = 0;
+  const Selection selection = select(context, ranked, out);
+  int living = 0;
   for (const Hypothesis& h : ranked) {
-    const double limit_mm =
-        kSamePositionShare * context.models[h.candidate.model].info().diameter_mm;
-    if (!h.alive) {
-      count_drop(report, h.drop_reason);
-    } else if (kept == out.size()) {
-      count_drop(report, DropReason::kLevelLimit);
+    if (h.alive) {
+      ++living;
     } else {
-      const double place_mm =
-          kSamePlaceShare * context.models[h.candidate.model].info().diameter_mm;
-      int here = 0;
-      bool repeated = false;
-      for (std::size_t k = 0; k < kept && !repeated; ++k) {
-        repeated = same_pose(context, out[k], h, limit_mm, kSameRotation);
-        here += (out[k].T_cam_centre.t_mm - h.T_cam_centre.t_mm).norm() < place_mm;
-      }
-      if (repeated || here >= kPerPlace) {
-        count_drop(report, repeated ? DropReason::kDuplicate : DropReason::kLevelLimit);
-      } else {
-        out[kept++] = h;
-      }
+      count_drop(report, h.drop_reason);
     }
   }
-  return static_cast<int>(kept);
+  report.dropped[static_cast<int>(DropReason::kDuplicate)] += selection.repeated;
+  report.dropped[static_cast<int>(DropReason::kLevelLimit)] +=
+      living - selection.repeated - selection.kept;
+  return selection.kept;
 }
 
 }  // namespace binpick

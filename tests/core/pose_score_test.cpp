@@ -67,7 +67,7 @@ TEST(PoseScore, EveryContradictionCounts) {
 // well.
 TEST(PoseScore, MissingDepthSpeaksNeitherWay) {
   Evidence dull = good_evidence();
-  dull.with_intensity = true;
+  dull.seen = Modality::kDepthAndIntensity;
   dull.samples = 200;
   dull.hidden = 0;
   dull.measured = 150;
@@ -84,7 +84,7 @@ TEST(PoseScore, MissingDepthSpeaksNeitherWay) {
   Evidence seen = shiny;
   seen.outline_unseen = 40;
   EXPECT_LT(score_of(seen), score_of(dull) - 0.02) << "depth around it, and no step";
-  shiny.with_intensity = false;
+  shiny.seen = Modality::kDepth;
   EXPECT_LT(score_of(shiny), score_of(dull) - 0.02) << "nothing stands in for depth";
 }
 
