@@ -38,8 +38,8 @@ PoseUncertainty uncertainty_at(const BracketScene& scene, const Pose& T_cam_obj)
   const SeenScene seen(scene);
   Pose T = T_cam_obj;
   T.t_mm += T.R * model.centre_mm();
-  const Scene scene(seen.pyramid);
-  return pose_uncertainty(model, scene, refine_params(model, scene, T), T);
+  const Scene shown(seen.pyramid);
+  return pose_uncertainty(model, shown, refine_params(model, shown, T), T);
 }
 
 TEST(PoseUncertainty, IsSmallWhereThreeFacesAndTheOutlineShow) {
