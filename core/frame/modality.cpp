@@ -17,9 +17,4 @@ Result<Frame> seen_with(const Frame& frame, Modality modality) {
   return seen;
 }
 
-Modality modality_of(const Frame& frame) {
-  if (frame.depth_mm.empty() && !frame.intensity.empty()) return Modality::kIntensity;
-  return frame.intensity.empty() ? Modality::kDepth : Modality::kDepthAndIntensity;
-}
-
 }  // namespace binpick

@@ -23,7 +23,4 @@ inline constexpr const char* kModalityNames[kModalityCount] = {"automatic", "dep
 // there (kFrameWithoutDepth, kFrameWithoutIntensity), or none is (kFrameEmpty).
 Result<Frame> seen_with(const Frame& frame, Modality modality);
 
-// What a frame has of the three; of a frame without any image kDepth.
-Modality modality_of(const Frame& frame);
-
 }  // namespace binpick
