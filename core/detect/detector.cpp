@@ -1,6 +1,7 @@
 #include "binpick/detect/detector.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/stopwatch.hpp"
@@ -10,7 +11,9 @@
 #include "detect/stage_observer.hpp"
 #include "pose/explain.hpp"
 #include "pose/hypothesis.hpp"
+#include "pose/loose_turns.hpp"
 #include "pose/near_poses.hpp"
+#include "pose/rivals.hpp"
 #include "pose/screen.hpp"
 #include "search/tree_search.hpp"
 
@@ -18,6 +21,10 @@ namespace binpick {
 namespace {
 
 constexpr int kPerPlaceAfterIcp = 6;
+// Poses that may own pixels of the scene.
+constexpr int kExplainedMax = 256;
+// What is less probable than this owns nothing, and is no rival.
+constexpr double kScoreToExplain = 0.001;
 // Of the time up to a deadline; the rest is for the poses.
 constexpr double kSearchShare = 0.6;
 
@@ -43,12 +50,12 @@ struct Detector::Impl {
         pyramid(plan.pyramid, arena),
         search(plan.search, plan.search_params, arena),
         ownership(plan.pyramid.width_max >> kFeatureLevel, plan.pyramid.height_max >> kFeatureLevel,
-                  arena),
+                  kExplainedMax, arena),
         scale_plans(arena.take<ScalePlan>(models.size())),
         moves(arena.take<PartMoves>(models.size())),
         screening(arena.take<Hypothesis>(plan.screening_max())),
         hypotheses(arena.take<Hypothesis>(kHypothesesMax)),
-        detections(arena.take<Detection>(static_cast<std::size_t>(plan.results_max))) {
+        detections(arena.take<Detection>(kExplainedMax)) {
     for (std::size_t i = 0; i < models.size(); ++i) moves[i] = PartMoves(models[i], arena);
   }
 
@@ -95,12 +102,12 @@ std::size_t Detector::footprint(std::span<const ObjectModel> models, const Detec
   counted.take<PartMoves>(models.size());
   counted.take<Hypothesis>(plan.screening_max());
   counted.take<Hypothesis>(kHypothesesMax);
-  counted.take<Detection>(static_cast<std::size_t>(plan.results_max));
+  counted.take<Detection>(kExplainedMax);
   for (const ObjectModel& model : models) PartMoves::plan(model, counted);
   return counted.bytes + FeaturePyramid::footprint(plan.pyramid) +
          TreeSearch::footprint(plan.search, plan.search_params) +
          SceneOwnership::footprint(plan.pyramid.width_max >> kFeatureLevel,
-                                   plan.pyramid.height_max >> kFeatureLevel);
+                                   plan.pyramid.height_max >> kFeatureLevel, kExplainedMax);
 }
 
 Detector::Detector(std::span<const ObjectModel> models, const DetectorLimits& limits,
@@ -213,6 +220,8 @@ int Detector::Impl::estimate_poses(int count, const Deadline& deadline,
   observe(Checkpoint::kRefined);
   timed(Stage::kVerify, report, [&] { run_verify(end, living()); });
   drop_repeated();
+  count = timed(Stage::kVerify, report, [&] { return add_loose_turns(end, hypotheses, count); });
+  drop_repeated();
   const SettleOutcome settled =
       timed(Stage::kVerify, report, [&] { return settle_near_poses(end, living()); });
   report.cut_short |= settled.cut_short;
@@ -221,36 +230,55 @@ int Detector::Impl::estimate_poses(int count, const Deadline& deadline,
   return count;
 }
 
+// In the order of what they explain, whatever score is asked for: what is kept of the poses must
+// not depend on what is shown of them.
 void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, int count,
                              DetectionReport& report) {
   const Scene scene(pyramid);
-  ownership.clear(scene);
-  const std::size_t limit = std::min<std::size_t>(
-      static_cast<std::size_t>(std::max(0, request.max_results)), detections.size());
-  std::size_t accepted = 0;
+  const PoseContext context{models, moves, scene, pool, {}};
+  const std::span<Hypothesis> living = hypotheses.first(static_cast<std::size_t>(count));
   auto drop = [&](Hypothesis& h, DropReason reason) {
     h.drop(reason);
     count_drop(report, reason);
   };
-  // In the order of what they explain.
-  for (Hypothesis& h : hypotheses.first(static_cast<std::size_t>(count))) {
+  ownership.clear(scene);
+  std::array<Hypothesis*, kExplainedMax> owners;
+  int owner_count = 0;
+  for (Hypothesis& h : living) {
     const ObjectModel& model = models[h.candidate.model];
     if (!centre_inside_roi(frame, pyramid.region(), h.T_cam_centre, scene)) {
       h.alive = false;
-    } else if (const auto objection = objection_to(h, request.min_score)) {
+    } else if (const auto objection =
+                   objection_to(h, std::min(kScoreToExplain, request.min_score))) {
       drop(h, *objection);
-    } else if (ownership.owned_share(model, scene, h.T_cam_centre) > kOwnedShareMax) {
+    } else if (const auto owned = ownership.owned(model, scene, h.T_cam_centre);
+               owned.share > kOwnedShareMax) {
+      meet_rival(context, *owners[static_cast<std::size_t>(owned.owner)], h);
       drop(h, DropReason::kOverlapsBetter);
-    } else if (accepted == limit) {
+    } else if (owner_count == kExplainedMax) {
       drop(h, DropReason::kResultLimit);
     } else {
-      ownership.claim(model, scene, h.T_cam_centre);
-      detections[accepted++] = detection_of(models, scene, h);
+      ownership.claim(model, scene, h.T_cam_centre, owner_count);
+      owners[static_cast<std::size_t>(owner_count++)] = &h;
+    }
+  }
+  std::size_t accepted = 0;
+  for (Hypothesis* h : std::span(owners).first(static_cast<std::size_t>(owner_count))) {
+    score_beside_rivals(context, *h);
+    if (h->score < request.min_score) {
+      drop(*h, DropReason::kBelowMinScore);
+    } else {
+      detections[accepted++] = detection_of(models, scene, *h);
     }
   }
   std::sort(detections.begin(), detections.begin() + static_cast<std::ptrdiff_t>(accepted),
             better_detection);
-  report.detections = detections.first(accepted);
+  const auto limit = static_cast<std::size_t>(std::clamp(request.max_results, 0, plan.results_max));
+  if (accepted > limit) {
+    report.dropped[static_cast<std::size_t>(DropReason::kResultLimit)] +=
+        static_cast<int>(accepted - limit);
+  }
+  report.detections = detections.first(std::min(accepted, limit));
 }
 
 }  // namespace binpick

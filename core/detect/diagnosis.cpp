@@ -60,8 +60,8 @@ class Tracer final : public StageObserver {
   void finished(const ObservedCycle& cycle) override {
     hypotheses(Checkpoint::kAccepted, cycle.explained);
     const Scene scene(cycle.pyramid);
-    Arena arena(SceneOwnership::footprint(scene.depth.width, scene.depth.height));
-    SceneOwnership ownership(scene.depth.width, scene.depth.height, arena);
+    Arena arena(SceneOwnership::footprint(scene.depth.width, scene.depth.height, 1));
+    SceneOwnership ownership(scene.depth.width, scene.depth.height, 1, arena);
     for (std::size_t i = 0; i < references_.size(); ++i) {
       const auto& wanted = cycle.request.model_indices;
       const int of = references_[i].model_index;

@@ -81,9 +81,9 @@ class Starter {
   double share_owned_by(std::span<const Hypothesis> others, const Hypothesis& h) {
     ownership_.clear(scene_);
     for (const Hypothesis& o : others) {
-      if (o.alive) ownership_.claim(cycle_.models[o.candidate.model], scene_, o.T_cam_centre);
+      if (o.alive) ownership_.claim(cycle_.models[o.candidate.model], scene_, o.T_cam_centre, 0);
     }
-    return ownership_.owned_share(model_, scene_, h.T_cam_centre);
+    return ownership_.owned(model_, scene_, h.T_cam_centre).share;
   }
 
   OracleStart finished(Hypothesis& h) {
@@ -101,9 +101,9 @@ class Starter {
     ownership_.clear(scene_);
     for (const Hypothesis& o : cycle_.explained) {
       if (o.alive && o.rank > h.rank && !is_known(o))
-        ownership_.claim(cycle_.models[o.candidate.model], scene_, o.T_cam_centre);
+        ownership_.claim(cycle_.models[o.candidate.model], scene_, o.T_cam_centre, 0);
     }
-    out.owned_by_better = ownership_.owned_share(model_, scene_, h.T_cam_centre);
+    out.owned_by_better = ownership_.owned(model_, scene_, h.T_cam_centre).share;
     out.outranked = out.owned_by_better > kOwnedShareMax;
     return out;
   }

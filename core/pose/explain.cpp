@@ -20,19 +20,21 @@ std::size_t cell_count(int width, int height) {
 
 }  // namespace
 
-std::size_t SceneOwnership::footprint(int width_max, int height_max) {
+std::size_t SceneOwnership::footprint(int width_max, int height_max, int owners_max) {
   ArenaPlan plan;
-  plan.take<std::uint8_t>(cell_count(width_max, height_max));
+  plan.take<std::uint16_t>(cell_count(width_max, height_max));
+  plan.take<int>(static_cast<std::size_t>(owners_max) + 1);
   return plan.bytes;
 }
 
-SceneOwnership::SceneOwnership(int width_max, int height_max, Arena& arena)
-    : owned_(arena.take<std::uint8_t>(cell_count(width_max, height_max))) {}
+SceneOwnership::SceneOwnership(int width_max, int height_max, int owners_max, Arena& arena)
+    : owned_(arena.take<std::uint16_t>(cell_count(width_max, height_max))),
+      votes_(arena.take<int>(static_cast<std::size_t>(owners_max) + 1)) {}
 
 void SceneOwnership::clear(const Scene& scene) {
   columns_ = scene.depth.width / kCellPx + 1;
   rows_ = scene.depth.height / kCellPx + 1;
-  std::fill_n(owned_.begin(), columns_ * rows_, std::uint8_t{0});
+  std::fill_n(owned_.begin(), columns_ * rows_, std::uint16_t{0});
 }
 
 template <class Visit>
@@ -48,21 +50,27 @@ void SceneOwnership::visit_cells(const ObjectModel& model, const Scene& scene, c
   }
 }
 
-double SceneOwnership::owned_share(const ObjectModel& model, const Scene& scene,
-                                   const Pose& T) const {
-  int total = 0, taken = 0;
+SceneOwnership::Owned SceneOwnership::owned(const ObjectModel& model, const Scene& scene,
+                                            const Pose& T) {
+  std::fill(votes_.begin(), votes_.end(), 0);
+  int total = 0;
   visit_cells(model, scene, T, [&](int x, int y) {
     ++total;
-    taken += owned_[static_cast<std::size_t>(y * columns_ + x)];
+    ++votes_[owned_[static_cast<std::size_t>(y * columns_ + x)]];
   });
-  return total > 0 ? static_cast<double>(taken) / total : 0;
+  if (total == votes_[0]) return {};
+  const auto most = std::max_element(votes_.begin() + 1, votes_.end());
+  return {static_cast<double>(total - votes_[0]) / total,
+          static_cast<int>(most - votes_.begin()) - 1};
 }
 
-void SceneOwnership::claim(const ObjectModel& model, const Scene& scene, const Pose& T) {
+void SceneOwnership::claim(const ObjectModel& model, const Scene& scene, const Pose& T, int owner) {
   visit_cells(model, scene, T, [&](int cx, int cy) {
     for (int y = std::max(0, cy - 1); y <= std::min(rows_ - 1, cy + 1); ++y) {
-      for (int x = std::max(0, cx - 1); x <= std::min(columns_ - 1, cx + 1); ++x)
-        owned_[static_cast<std::size_t>(y * columns_ + x)] = 1;
+      for (int x = std::max(0, cx - 1); x <= std::min(columns_ - 1, cx + 1); ++x) {
+        std::uint16_t& cell = owned_[static_cast<std::size_t>(y * columns_ + x)];
+        if (cell == 0) cell = static_cast<std::uint16_t>(owner + 1);
+      }
     }
   });
 }

@@ -14,20 +14,26 @@ namespace binpick {
 
 class SceneOwnership {
  public:
-  static std::size_t footprint(int width_max, int height_max);  // of the depth level
-  SceneOwnership(int width_max, int height_max, Arena& arena);
+  // Width and height are of the depth level.
+  static std::size_t footprint(int width_max, int height_max, int owners_max);
+  SceneOwnership(int width_max, int height_max, int owners_max, Arena& arena);
 
   void clear(const Scene& scene);
-  // Share of the pose's supported samples that lie on cells owned already.
-  double owned_share(const ObjectModel& model, const Scene& scene, const Pose& T_cam_centre) const;
-  void claim(const ObjectModel& model, const Scene& scene, const Pose& T_cam_centre);
+  struct Owned {
+    double share = 0;  // of the pose's supported samples, those on cells that are owned already
+    int owner = -1;    // of most of them
+  };
+  Owned owned(const ObjectModel& model, const Scene& scene, const Pose& T_cam_centre);
+  // Cells of an earlier one remain its own. `owner`: 0 to owners_max - 1.
+  void claim(const ObjectModel& model, const Scene& scene, const Pose& T_cam_centre, int owner);
 
  private:
   template <class Visit>
   void visit_cells(const ObjectModel& model, const Scene& scene, const Pose& T_cam_centre,
                    Visit&& visit) const;
 
-  std::span<std::uint8_t> owned_;
+  std::span<std::uint16_t> owned_;  // 1 + the owner; 0: nobody's
+  std::span<int> votes_;            // scratch: samples on cells of each
   int columns_ = 0, rows_ = 0;
 };
 

@@ -72,7 +72,10 @@ Neighbours neighbours_of(const PoseContext& context, std::span<const Hypothesis>
 }
 
 ScoreTerms terms_of(const Hypothesis& h) {
-  return score_terms(h.evidence, static_cast<double>(h.candidate.score) / kScoreOne);
+  ScoreTerms terms = score_terms(h.evidence, static_cast<double>(h.candidate.score) / kScoreOne);
+  terms[static_cast<std::size_t>(ScoreTerm::kRivals)] =
+      rivals_term(log_odds(terms, h.evidence.seen), h.rival_odds);
+  return terms;
 }
 
 bool better_hypothesis(const Hypothesis& a, const Hypothesis& b) {

@@ -18,9 +18,10 @@ struct Hypothesis {
   Candidate candidate;
   Pose T_cam_centre;
   Evidence evidence;
-  double score = 0;    // probability that the pose is right, once it is verified
-  double rank = 0;     // what the list is ordered by
-  bool leads = false;  // the best at its place, after suppress()
+  double score = 0;       // probability that the pose is right, once it is verified
+  double rank = 0;        // what the list is ordered by
+  double rival_odds = 0;  // of the other poses that explain the same pixels, once explained
+  bool leads = false;     // the best at its place, after suppress()
   bool alive = true;
   DropReason drop_reason = DropReason::kDuplicate;  // where not alive
 

@@ -69,12 +69,20 @@ ScoreTerms score_terms(const Evidence& e, double template_score) {
   return terms;
 }
 
-double probability(const ScoreTerms& terms, Modality seen, const ModelTrials& trials) {
+double log_odds(const ScoreTerms& terms, Modality seen) {
   const ScoreWeights& weights = weights_of(seen);
-  double log_odds = weights.back();
-  for (std::size_t i = 0; i < terms.size(); ++i) log_odds += weights[i] * terms[i];
+  double sum = weights.back();
+  for (std::size_t i = 0; i < terms.size(); ++i) sum += weights[i] * terms[i];
+  return sum;
+}
+
+double probability(const ScoreTerms& terms, Modality seen, const ModelTrials& trials) {
   const ScoreCalibration& part = trials.calibration_of(seen);
-  return 1 / (1 + std::exp(-(part.slope * log_odds + part.offset)));
+  return 1 / (1 + std::exp(-(part.slope * log_odds(terms, seen) + part.offset)));
+}
+
+double rivals_term(double log_odds, double rival_odds) {
+  return std::log1p(rival_odds * std::exp(-log_odds));
 }
 
 }  // namespace binpick

@@ -17,7 +17,14 @@ namespace binpick {
 
 // `template_score`: of the matched leaf, both modalities, 0..2; without depth 0..1.
 ScoreTerms score_terms(const Evidence& evidence, double template_score);
-// 1 / (1 + e^-log odds); the log odds are the weighted sum of the terms, calibrated for the part.
+// The weighted sum of the terms.
+double log_odds(const ScoreTerms& terms, Modality seen);
+// 1 / (1 + e^-log odds), with the log odds calibrated for the part.
 double probability(const ScoreTerms& terms, Modality seen, const ModelTrials& trials);
+
+// The term of a pose beside rivals: other poses, of which only one at most can be right, since they
+// explain the same pixels. `rival_odds`: the sum of theirs. Their ratio to its own odds is what
+// counts: where a sensor shows all poses badly, the right one still stands out from the others.
+double rivals_term(double log_odds, double rival_odds);
 
 }  // namespace binpick

@@ -24,6 +24,7 @@ inline constexpr ScoreWeights kScoreWeights = {
     0.3900,    // template
     0.0000,    // weakest_side
     0.0000,    // stray_edges
+    -1.0000,   // rivals
     -13.4234,  // constant
 };
 
@@ -41,6 +42,7 @@ inline constexpr ScoreWeights kScoreWeightsOfDepthAlone = {
     2.3745,    // template
     0.0000,    // weakest_side
     0.0000,    // stray_edges
+    -1.0000,   // rivals
     -21.9572,  // constant
 };
 
@@ -58,6 +60,7 @@ inline constexpr ScoreWeights kScoreWeightsOfIntensityAlone = {
     0.0000,    // template
     0.9675,    // weakest_side
     -0.3439,   // stray_edges
+    -1.0000,   // rivals
     -19.9889,  // constant
 };
 

@@ -82,6 +82,8 @@ const char* score_term_name(ScoreTerm term) {
       return "weakest_side";
     case ScoreTerm::kStrayEdges:
       return "stray_edges";
+    case ScoreTerm::kRivals:
+      return "rivals";
   }
   return "unknown";
 }

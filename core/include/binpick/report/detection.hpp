@@ -26,8 +26,10 @@ enum class ScoreTerm : int {
   kWeakestSide,       // log of: share of the outline on an image edge, on the side with least;
                       // without depth alone, as is the next
   kStrayEdges,        // share of the visible surface, away from its contours, on an image edge
+  kRivals,            // log of: odds of the pose and of the others that explain the same pixels,
+                      // over its own; 0 where there are no others
 };
-inline constexpr int kScoreTermCount = 13;
+inline constexpr int kScoreTermCount = 14;
 const char* score_term_name(ScoreTerm term);  // snake_case, as written to CSV
 using ScoreTerms = std::array<double, kScoreTermCount>;
 
