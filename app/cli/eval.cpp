@@ -43,6 +43,8 @@ struct Options {
   EvalSettings settings;
   train::TrainOptions train;
   TrialPlan trials{.test_piles = 0};
+  std::string distance_mm;  // empty: measured
+  std::optional<DistanceRange> range;
 };
 
 void write_text(const std::string& path, const std::string& text) {
@@ -78,6 +80,10 @@ void take_settings(Options& options) {
   params.isa = parse_isa("--isa", options.isa);
   options.settings.search.modality = parse_modality("--modality", options.modality);
   options.disturbances = disturbances_of(options);
+  if (!options.distance_mm.empty()) {
+    const auto [min_mm, max_mm] = parse_range("--distance-mm", options.distance_mm);
+    options.range = DistanceRange{min_mm, max_mm};
+  }
 }
 
 std::vector<std::pair<std::string, std::string>> facts_of(const Options& o) {
@@ -141,9 +147,9 @@ Outcome search(Session& s) {
   const OracleRequest oracle{s.dataset,  s.plan,          s.parts,
                              s.geometry, s.score_options, s.options.settings.search};
   for (const CameraGroup& group : s.plan.cameras) {
-    const ModelSet models = make_model_set(
-        {s.dataset, s.plan, group, s.parts, cache, s.options.train, s.options.trials}, s.pool,
-        s.talk, out.run.faults);
+    const ModelSet models = make_model_set({s.dataset, s.plan, group, s.parts, cache,
+                                            s.options.train, s.options.trials, s.options.range},
+                                           s.pool, s.talk, out.run.faults);
     out.models.insert(out.models.end(), models.origins().begin(), models.origins().end());
     run_group(s.dataset, s.plan, group, models, s.options.settings, s.pool, s.talk, output,
               out.run);
@@ -240,6 +246,10 @@ void add_eval_command(CLI::App& app, int& exit_status) {
   command->add_option("--objects", o->objects, "Objects, such as 1,3; all when left out");
   command->add_option("--model-cache", o->model_cache,
                       "Folder that keeps trained models between runs");
+  command->add_option(
+      "--distance-mm", o->distance_mm,
+      "Distances to train for, MIN:MAX, as frames without depth need it; measured in "
+      "the depth images when left out");
   command->add_option("--threads", o->threads, "Threads of training and search")
       ->check(number_between(1, 256))
       ->capture_default_str();

@@ -129,12 +129,14 @@ ModelSet make_model_set(const ModelSetRequest& request, WorkerPool& pool, const 
     for (const std::size_t i : frames) {
       if (measured.ranges.contains(i)) ranges.push_back(measured.ranges.at(i));
     }
-    const auto range = training_range(ranges, part.model.diameter_mm, measured.camera);
+    const auto range = request.range
+                           ? request.range
+                           : training_range(ranges, part.model.diameter_mm, measured.camera);
     if (!range) {
       faults.push_back(
           "object " + std::to_string(obj_id) +
           ": none of its frames has depth inside the region of interest, so there is no distance "
-          "to train for");
+          "to train for: give --distance-mm");
       if (talk.note) talk.note(faults.back());
       continue;
     }

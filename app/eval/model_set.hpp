@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -57,11 +58,12 @@ struct ModelSetRequest {
   const ModelCache& cache;
   train::TrainOptions options;  // camera and distances are filled in
   TrialPlan trials;
+  std::optional<DistanceRange> range = std::nullopt;  // to train for; nothing: measured
 };
 
-// For every object wanted in the group's frames. The distance range comes from the depth images of
-// up to twenty of those frames; an object none of whose frames has depth gets no model and an entry
-// in `faults`. Throws TrainError, RenderError, std::runtime_error.
+// For every object wanted in the group's frames. Where no distance range is given it comes from the
+// depth images of up to twenty of those frames; an object none of whose frames has depth then gets
+// no model and an entry in `faults`. Throws TrainError, RenderError, std::runtime_error.
 ModelSet make_model_set(const ModelSetRequest& request, WorkerPool& pool, const EvalTalk& talk,
                         std::vector<std::string>& faults);
 

@@ -6,6 +6,7 @@ Trains one part with few samples."""
 import csv
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -70,6 +71,24 @@ class EvalReportTest(unittest.TestCase):
         self.assertNotIn("noise", sweep)
         self.assertTrue(sweep["visible"]["parts"][0]["y"])
         self.assertTrue(sweep["threshold"]["parts"][0]["y"])
+
+    def test_frames_without_depth_need_a_distance_range(self):
+        root = Path(self.folder.name)
+        gray = root / "gray"
+        shutil.copytree(SAMPLE, gray, ignore=shutil.ignore_patterns("depth", "00000[2-9]"))
+        run = subprocess.run(
+            [BINPICK, "eval", str(gray), "--scenes", "1", "--csv", "gray.csv", *QUICK],
+            cwd=root, capture_output=True, text=True, check=False)
+        self.assertIn("give --distance-mm", run.stderr)
+        run = subprocess.run(
+            [BINPICK, "eval", str(gray), "--scenes", "1", "--csv", "gray.csv", "--distance-mm",
+             "600:760", "--tree-depths", "3", "--min-score", "0", *QUICK],
+            cwd=root, capture_output=True, text=True, check=False)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        with open(root / "gray.csv", encoding="utf-8") as file:
+            depths = [float(row[5].split()[2]) for row in list(csv.reader(file))[1:]]
+        self.assertTrue(depths)
+        self.assertTrue(all(550 < z < 810 for z in depths), (min(depths), max(depths)))
 
     def test_reliability_counts_every_pose_once(self):
         parts = {part["name"]: part for part in self.json["reliability"]}
