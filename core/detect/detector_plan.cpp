@@ -120,10 +120,12 @@ Result<Roi> region_of(const Frame& frame, const DetectorPlan& plan) {
 }
 
 bool centre_inside_roi(const Frame& frame, const Roi& region, const Pose& T, const Scene& scene) {
-  if (frame.roi.whole_image()) return true;
   const Vec2 uv = scene.intensity.camera.project(T.t_mm) + Vec2(region.x, region.y);
-  return uv.x() >= frame.roi.x && uv.y() >= frame.roi.y && uv.x() < frame.roi.x + frame.roi.width &&
-         uv.y() < frame.roi.y + frame.roi.height;
+  const bool has_depth = !frame.depth_mm.empty();
+  const PixelRange inside =
+      pixels_of(frame.roi, has_depth ? frame.depth_mm.width : frame.intensity.width,
+                has_depth ? frame.depth_mm.height : frame.intensity.height);
+  return uv.x() >= inside.x0 && uv.y() >= inside.y0 && uv.x() < inside.x1 && uv.y() < inside.y1;
 }
 
 }  // namespace binpick

@@ -44,7 +44,8 @@ DetectorPlan make_detector_plan(std::span<const ObjectModel> models, const Detec
 // level's pixels. Errors as Detector::detect states.
 Result<Roi> region_of(const Frame& frame, const DetectorPlan& plan);
 
-// Whether the part's centre projects into the region of interest. `T_cam_centre` is in the cropped
+// Whether the part's centre projects into the region of interest, or into the image where there is
+// none: of a part with its centre outside most cannot be seen. `T_cam_centre` is in the cropped
 // region's camera.
 bool centre_inside_roi(const Frame& frame, const Roi& region, const Pose& T_cam_centre,
                        const Scene& scene);

@@ -13,9 +13,6 @@ constexpr double kMeasuredEnough = 0.35;
 // Sensors miss some depth beside every edge, which the weights were fitted with. Where less than
 // these shares of the surface, and of the outline's surroundings, has depth, the part shines.
 constexpr double kSurfaceKnown = 0.75, kOutlineKnown = 0.6;
-// Pixels beyond which more of them say nothing more: the largest parts that the weights were fitted
-// to explain as many, and clutter that is near the camera explains any number.
-constexpr double kAreaEnough_px2 = 6000;
 // Shares below this are as good as none.
 constexpr double kShareMin = 0.02;
 
@@ -56,7 +53,7 @@ ScoreTerms score_terms(const Evidence& e, double template_score) {
   set(ScoreTerm::kMeasured, log_share(std::min(1.0, e.measured_fraction() / kMeasuredEnough)));
   const double area_px2 =
       e.explained_mm2 * e.px2_per_mm2 / known_share(e, e.known_fraction(), kSurfaceKnown);
-  set(ScoreTerm::kSupportedArea, std::log(std::clamp(area_px2, 1.0, kAreaEnough_px2)));
+  set(ScoreTerm::kSupportedArea, std::log(std::max(1.0, area_px2)));
   set(ScoreTerm::kContradicted, share(e.contradicted, e.samples));
   set(ScoreTerm::kHidden, share(e.hidden, e.samples));
   set(ScoreTerm::kOutlineSteps,

@@ -11,57 +11,57 @@ namespace binpick {
 using ScoreWeights = std::array<double, kScoreTermCount + 1>;
 
 inline constexpr ScoreWeights kScoreWeights = {
-    2.1972,    // depth_support
-    5.1139,    // contour_support
-    1.3940,    // measured
-    2.5530,    // supported_area
-    -43.6692,  // contradicted
-    -1.8062,   // hidden
-    5.2426,    // outline_steps
+    2.1974,    // depth_support
+    5.1145,    // contour_support
+    1.3944,    // measured
+    2.5511,    // supported_area
+    -43.6650,  // contradicted
+    -1.8059,   // hidden
+    5.2414,    // outline_steps
     0.0000,    // outline_continued
-    -0.3840,   // outline_offset
-    3.1139,    // creases
+    -0.3838,   // outline_offset
+    3.1135,    // creases
     0.0000,    // template
     0.0000,    // weakest_side
     0.0000,    // stray_edges
-    -2.2213,   // rivals
-    -22.1729,  // constant
+    -2.2205,   // rivals
+    -22.1575,  // constant
 };
 
 inline constexpr ScoreWeights kScoreWeightsOfDepthAlone = {
-    0.8845,    // depth_support
-    1.4775,    // contour_support
-    1.8354,    // measured
-    2.5723,    // supported_area
-    -7.1900,   // contradicted
-    -1.5416,   // hidden
-    4.8548,    // outline_steps
-    -0.1991,   // outline_continued
+    0.8807,    // depth_support
+    1.4763,    // contour_support
+    1.8536,    // measured
+    2.5650,    // supported_area
+    -7.2118,   // contradicted
+    -1.5374,   // hidden
+    4.8565,    // outline_steps
+    -0.2086,   // outline_continued
     0.0000,    // outline_offset
     0.0000,    // creases
     0.5223,    // template
     0.0000,    // weakest_side
     0.0000,    // stray_edges
-    -2.3106,   // rivals
-    -21.4049,  // constant
+    -2.3085,   // rivals
+    -21.3509,  // constant
 };
 
 inline constexpr ScoreWeights kScoreWeightsOfIntensityAlone = {
     0.0000,    // depth_support
     0.0000,    // contour_support
     0.0000,    // measured
-    0.9833,    // supported_area
+    0.9763,    // supported_area
     0.0000,    // contradicted
     0.0000,    // hidden
     0.0000,    // outline_steps
-    -11.4054,  // outline_continued
-    -0.4802,   // outline_offset
-    1.0676,    // creases
-    1.4978,    // template
+    -11.4082,  // outline_continued
+    -0.4796,   // outline_offset
+    1.0702,    // creases
+    1.4905,    // template
     0.0000,    // weakest_side
     0.0000,    // stray_edges
-    -0.7938,   // rivals
-    -9.9619,   // constant
+    -0.7912,   // rivals
+    -9.9053,   // constant
 };
 
 }  // namespace binpick
