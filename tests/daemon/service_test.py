@@ -137,7 +137,7 @@ class Reload(unittest.TestCase):
             station.start()
             station.write("binpick.toml", station.main.replace(
                 "[station]", "[station]\nranking = 'near_camera'\npicks_max = 32"))
-            station.write("tee.toml", f'number = 1\nmodels = ["{MODEL}"]\nmin_score = 0.999\n')
+            station.write("tee.toml", f'number = 1\nmodels = ["{MODEL}"]\nmin_score = 1.0\n')
             station.process.send_signal(signal.SIGHUP)
             station.manager.wait("RELOADING=1")
             station.manager.wait("READY=1")

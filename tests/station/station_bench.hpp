@@ -79,7 +79,7 @@ struct StationBench {
       RecipeConfig recipe;
       recipe.number = number;
       recipe.models = {folder.file("bracket.bpm")};
-      recipe.min_score = number == 7 ? 0.999 : 0.4;
+      recipe.min_score = number == 7 ? 1 : 0.4;
       config.recipes.push_back(recipe);
     }
     source.scene = &bracket_scene();

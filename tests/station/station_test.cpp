@@ -148,7 +148,7 @@ TEST(Station, TakesOverAReloadBeforeTheNextOrder) {
   RunningStation s;
   s.start();
   Config changed = s.config;
-  changed.recipes[0].min_score = 0.999;
+  changed.recipes[0].min_score = 1;
   s.station->reload(changed);
   ASSERT_TRUE(s.offer(OrderCode::kDetect));
   ASSERT_TRUE(s.listener.wait_count(1));
