@@ -43,9 +43,9 @@ void for_living(const PoseContext& context, std::span<Hypothesis> hypotheses, Fn
 // Without depth distances are loose: what may be the same apart from that is compared at one
 // distance.
 constexpr double kSameDistanceRatio = 0.06;
-Pose compared(const Scene& scene, const Pose& with, Pose T) {
+Pose at_distance_of(const Pose& with, Pose T) {
   const double ratio = with.t_mm.z() / T.t_mm.z();
-  if (!scene.with_depth && std::abs(ratio - 1) < kSameDistanceRatio) T.t_mm *= ratio;
+  if (std::abs(ratio - 1) < kSameDistanceRatio) T.t_mm *= ratio;
   return T;
 }
 
@@ -62,11 +62,17 @@ Neighbours neighbours_of(const PoseContext& context, std::span<const Hypothesis>
   Neighbours near;
   for (const Hypothesis& other : better) {
     if (other.candidate.model != h.candidate.model) continue;
-    const Pose beside = compared(context.scene, other.T_cam_centre, h.T_cam_centre);
-    near.repeated =
-        moves.same(other.T_cam_centre, beside, same.diameters * diameter_mm, same.angle_rad);
+    const auto meet = [&](const Pose& T) {
+      near.repeated =
+          moves.same(other.T_cam_centre, T, same.diameters * diameter_mm, same.angle_rad);
+      near.at_place += (other.T_cam_centre.t_mm - T.t_mm).norm() < kSamePlaceShare * diameter_mm;
+    };
+    if (context.scene.with_depth) {
+      meet(h.T_cam_centre);
+    } else {
+      meet(at_distance_of(other.T_cam_centre, h.T_cam_centre));
+    }
     if (near.repeated) break;
-    near.at_place += (other.T_cam_centre.t_mm - beside.t_mm).norm() < kSamePlaceShare * diameter_mm;
   }
   return near;
 }
