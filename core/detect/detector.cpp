@@ -1,7 +1,6 @@
 #include "binpick/detect/detector.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/stopwatch.hpp"
@@ -21,8 +20,6 @@ namespace binpick {
 namespace {
 
 constexpr int kPerPlaceAfterIcp = 6;
-// Poses that may own pixels of the scene.
-constexpr int kExplainedMax = 256;
 // What is less probable than this owns nothing, and is no rival.
 constexpr double kScoreToExplain = 0.001;
 // Of the time up to a deadline; the rest is for the poses.
@@ -50,12 +47,13 @@ struct Detector::Impl {
         pyramid(plan.pyramid, arena),
         search(plan.search, plan.search_params, arena),
         ownership(plan.pyramid.width_max >> kFeatureLevel, plan.pyramid.height_max >> kFeatureLevel,
-                  kExplainedMax, arena),
+                  plan.explained_max(), arena),
         scale_plans(arena.take<ScalePlan>(models.size())),
         moves(arena.take<PartMoves>(models.size())),
         screening(arena.take<Hypothesis>(plan.screening_max())),
         hypotheses(arena.take<Hypothesis>(kHypothesesMax)),
-        detections(arena.take<Detection>(kExplainedMax)) {
+        owners(arena.take<Hypothesis*>(static_cast<std::size_t>(plan.explained_max()))),
+        detections(arena.take<Detection>(owners.size())) {
     for (std::size_t i = 0; i < models.size(); ++i) moves[i] = PartMoves(models[i], arena);
   }
 
@@ -90,6 +88,7 @@ struct Detector::Impl {
   std::span<PartMoves> moves;       // of the models' symmetries
   std::span<Hypothesis> screening;  // all leaf candidates of one model
   std::span<Hypothesis> hypotheses;
+  std::span<Hypothesis*> owners;  // of pixels of the scene
   std::span<Detection> detections;
 };
 
@@ -102,12 +101,13 @@ std::size_t Detector::footprint(std::span<const ObjectModel> models, const Detec
   counted.take<PartMoves>(models.size());
   counted.take<Hypothesis>(plan.screening_max());
   counted.take<Hypothesis>(kHypothesesMax);
-  counted.take<Detection>(kExplainedMax);
+  counted.take<Hypothesis*>(static_cast<std::size_t>(plan.explained_max()));
+  counted.take<Detection>(static_cast<std::size_t>(plan.explained_max()));
   for (const ObjectModel& model : models) PartMoves::plan(model, counted);
   return counted.bytes + FeaturePyramid::footprint(plan.pyramid) +
          TreeSearch::footprint(plan.search, plan.search_params) +
          SceneOwnership::footprint(plan.pyramid.width_max >> kFeatureLevel,
-                                   plan.pyramid.height_max >> kFeatureLevel, kExplainedMax);
+                                   plan.pyramid.height_max >> kFeatureLevel, plan.explained_max());
 }
 
 Detector::Detector(std::span<const ObjectModel> models, const DetectorLimits& limits,
@@ -242,7 +242,6 @@ void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, i
     count_drop(report, reason);
   };
   ownership.clear(scene);
-  std::array<Hypothesis*, kExplainedMax> owners;
   int owner_count = 0;
   for (Hypothesis& h : living) {
     const ObjectModel& model = models[h.candidate.model];
@@ -255,7 +254,7 @@ void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, i
                owned.share > kOwnedShareMax) {
       meet_rival(context, *owners[static_cast<std::size_t>(owned.owner)], h);
       drop(h, DropReason::kOverlapsBetter);
-    } else if (owner_count == kExplainedMax) {
+    } else if (owner_count == plan.explained_max()) {
       drop(h, DropReason::kResultLimit);
     } else {
       ownership.claim(model, scene, h.T_cam_centre, owner_count);
@@ -263,7 +262,7 @@ void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, i
     }
   }
   std::size_t accepted = 0;
-  for (Hypothesis* h : std::span(owners).first(static_cast<std::size_t>(owner_count))) {
+  for (Hypothesis* h : owners.first(static_cast<std::size_t>(owner_count))) {
     score_beside_rivals(context, *h);
     if (h->score < request.min_score) {
       drop(*h, DropReason::kBelowMinScore);

@@ -28,6 +28,9 @@ struct DetectorPlan {
   NormalCodebook normal_codebook = NormalCodebook::kHemisphere;
   int results_max = 0;
 
+  // Poses that may own pixels of the scene: those of low scores own some too.
+  int explained_max() const { return std::max(256, results_max); }
+
   // Leaf candidates of one model, at most: the limit of any depth, since a shallow tree ends early.
   std::size_t screening_max() const {
     return static_cast<std::size_t>(

@@ -10,9 +10,6 @@ namespace binpick {
 namespace {
 
 constexpr int kCellPx = 2;  // at the depth level
-// A sample this close to the measured surface explains it, in units of the depth's error: what lies
-// on a thin part does not belong to the one below.
-constexpr double kErrorsNear = 2;
 
 std::size_t cell_count(int width, int height) {
   return static_cast<std::size_t>(width / kCellPx + 1) *
@@ -41,16 +38,13 @@ void SceneOwnership::clear(const Scene& scene) {
 template <class Visit>
 void SceneOwnership::visit_cells(const ObjectModel& model, const Scene& scene, const Pose& T,
                                  Visit&& visit) const {
-  const double near_mm = kErrorsNear * scene.depth_error_mm(T.t_mm.z());
-  const auto lies_on = [&](const SurfaceSample& s, const Vec3& p, int u, int v, double z) {
-    return z > 0 &&
-           std::abs((T.R * normal_of(s)).dot(scene.depth.camera.unproject(u, v, z) - p)) < near_mm;
-  };
   for (const SurfaceSample& s : model.surface(nearest_viewpoint(model, T))) {
     const Vec3 p = T * position_of(s);
-    const auto [u, v, z] = scene.measured_at(p);
+    const Scene::Measurement m = scene.measured_at(p);
+    const auto [u, v, z] = m;
+    // What lies on a thin part does not belong to the one below.
     const bool explained =
-        scene.with_depth ? lies_on(s, p, u, v, z)
+        scene.with_depth ? scene.lies_on_measured(m, p, T.R * normal_of(s), T.t_mm.z())
                          : u >= 0 && v >= 0 && u < scene.depth.width && v < scene.depth.height;
     if (explained) visit(u / kCellPx, v / kCellPx);
   }

@@ -16,6 +16,7 @@ namespace {
 constexpr double kDegree = 3.14159265358979 / 180;
 // After refinement: closer than this is the same pose.
 constexpr SameLimits kSameRefined{0.015, 2.5 * kDegree};
+constexpr SameLimits kSamePick{0.05, 7.5 * kDegree};
 // Hypotheses whose centres are this near compete for the same part.
 constexpr double kSamePlaceShare = 0.25;
 constexpr int kPnpRangePx = 6;
@@ -54,6 +55,12 @@ bool sane(const Pose& T) {
 }
 
 }  // namespace
+
+bool same_pick(const PoseContext& context, int model_index, const Pose& a, const Pose& b) {
+  const auto index = static_cast<std::size_t>(model_index);
+  return context.moves[index].same(
+      a, b, kSamePick.diameters * context.models[index].info().diameter_mm, kSamePick.angle_rad);
+}
 
 Neighbours neighbours_of(const PoseContext& context, std::span<const Hypothesis> better,
                          const Hypothesis& h, const SameLimits& same) {

@@ -54,6 +54,8 @@ struct Neighbours {
 struct SameLimits {
   double diameters, angle_rad;
 };
+// Whether two poses of a model are the same for whoever grips the part.
+bool same_pick(const PoseContext& context, int model_index, const Pose& a, const Pose& b);
 Neighbours neighbours_of(const PoseContext& context, std::span<const Hypothesis> better,
                          const Hypothesis& h, const SameLimits& same);
 

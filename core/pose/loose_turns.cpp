@@ -15,8 +15,6 @@ constexpr double kPi = 3.14159265358979;
 // mean square).
 constexpr double kLooseShare = 0.2;
 constexpr int kSamplesMin = 20;
-// Samples this close to what is measured take part, in units of the depth's error.
-constexpr double kErrorsNear = 2;
 constexpr int kSteps = 24;  // of a full turn: finer than a refinement reaches
 constexpr int kKept = 2;
 // Less probable poses are not worth the time.
@@ -35,13 +33,10 @@ struct SurfaceMotion {
 
 std::optional<SurfaceMotion> surface_motion(const ObjectModel& model, const Scene& scene,
                                             const Pose& T) {
-  const double near_mm = kErrorsNear * scene.depth_error_mm(T.t_mm.z());
   const auto visit_explained = [&](auto&& visit) {
     for (const SurfaceSample& s : model.surface(nearest_viewpoint(model, T))) {
       const Vec3 p = T * position_of(s), n = T.R * normal_of(s);
-      const auto [u, v, z] = scene.measured_at(p);
-      if (z > 0 && std::abs(n.dot(scene.depth.camera.unproject(u, v, z) - p)) < near_mm)
-        visit(p, n);
+      if (scene.lies_on_measured(scene.measured_at(p), p, n, T.t_mm.z())) visit(p, n);
     }
   };
   SurfaceMotion out;
@@ -69,12 +64,12 @@ int turn_around(const PoseContext& context, const Hypothesis& from, const LooseT
                 std::span<Hypothesis, kSteps> steps) {
   const ObjectModel& model = context.models[from.candidate.model];
   const PartMoves& moves = context.moves[from.candidate.model];
-  const double step_rad = 2 * kPi / kSteps, same_mm = 0.05 * model.info().diameter_mm;
+  constexpr double kStepRad = 2 * kPi / kSteps;
   steps[0] = from;
   for (int i = 1; i < kSteps; ++i) {
     const Pose T =
-        left_increment(from.T_cam_centre, i * step_rad * turn.axis, Vec3::Zero(), turn.point_mm);
-    if (moves.same(from.T_cam_centre, T, same_mm, 0.5 * step_rad)) return i;
+        left_increment(from.T_cam_centre, i * kStepRad * turn.axis, Vec3::Zero(), turn.point_mm);
+    if (same_pick(context, from.candidate.model, from.T_cam_centre, T)) return i;
     Hypothesis& step = steps[static_cast<std::size_t>(i)];
     step = from;
     step.T_cam_centre = moves.canonical(model, T);
@@ -101,8 +96,12 @@ void try_turns(const PoseContext& context, const Hypothesis& from, const LooseTu
     if (best == 0) return;
     taken[static_cast<std::size_t>(best)] = true;
     h = steps[static_cast<std::size_t>(best)];
-    h.alive = refine_pose(context, context.models[h.candidate.model], h.T_cam_centre);
-    if (h.alive) verify_pose(context, h);
+    if (refine_pose(context, context.models[h.candidate.model], h.T_cam_centre)) {
+      h.alive = true;
+      verify_pose(context, h);
+    } else {
+      h.drop(DropReason::kPoseDiverged);
+    }
   }
 }
 
@@ -154,11 +153,19 @@ int add_loose_turns(const PoseContext& context, std::span<Hypothesis> list, int 
         list.subspan(static_cast<std::size_t>(count + kKept * i), kKept);
     const Hypothesis from = out[0];
     const ObjectModel& model = context.models[from.candidate.model];
-    if (context.deadline.passed()) return;
-    if (const auto turn = loose_turn(model, context.scene, from.T_cam_centre))
+    if (context.deadline.passed()) {
+      out[0].drop(DropReason::kDeadline);
+    } else if (const auto turn = loose_turn(model, context.scene, from.T_cam_centre)) {
       try_turns(context, from, *turn, out);
+    }
   });
-  return count + kKept * tried;
+  // Places that nothing was found for are no hypotheses, and nothing to count.
+  const auto added =
+      list.subspan(static_cast<std::size_t>(count), static_cast<std::size_t>(kKept * tried));
+  const auto end = std::remove_if(added.begin(), added.end(), [](const Hypothesis& h) {
+    return !h.alive && h.drop_reason == DropReason::kDuplicate;
+  });
+  return count + static_cast<int>(end - added.begin());
 }
 
 }  // namespace binpick

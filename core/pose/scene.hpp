@@ -54,6 +54,14 @@ struct Scene {
     const int u = static_cast<int>(std::lround(uv.x())), v = static_cast<int>(std::lround(uv.y()));
     return {u, v, depth_at(u, v)};
   }
+  // Whether a point of a surface lies on what was measured where it projects to, as far as the
+  // sensor's error lets that be told at this distance.
+  bool lies_on_measured(const Measurement& m, const Vec3& point_cam, const Vec3& n_cam,
+                        double distance_mm) const {
+    return m.depth_mm > 0 &&
+           std::abs(n_cam.dot(depth.camera.unproject(m.u, m.v, m.depth_mm) - point_cam)) <
+               2 * depth_error_mm(distance_mm);
+  }
   // Measured depth at a pixel of level 0; 0 where there is none.
   double measured_px(const Vec2& pixel) const {
     const double scale = 1 << kFeatureLevel;

@@ -92,6 +92,20 @@ TEST(LooseTurns, AreNotTriedForWhatIsImprobableOrFollows) {
   EXPECT_EQ(add_loose_turns(bracket.context(scene), list, 2), 2);
 }
 
+TEST(LooseTurns, SayThatTheDeadlineCameFirst) {
+  SeenBracket bracket(bracket_pose(0, 0, 20, kMiddle));
+  const Scene scene(bracket.pyramid);
+  std::vector<Hypothesis> list(12);
+  list[0].T_cam_centre = bracket.turned(75);
+  list[0].leads = true;
+  list[0].score = 0.5;
+  PoseContext late = bracket.context(scene);
+  late.deadline = {[]() -> std::int64_t { return 2; }, 1};
+  ASSERT_EQ(add_loose_turns(late, list, 1), 2);
+  EXPECT_FALSE(list[1].alive);
+  EXPECT_EQ(list[1].drop_reason, DropReason::kDeadline);
+}
+
 TEST(LooseTurns, StayWithinTheList) {
   SeenBracket bracket(bracket_pose(0, 0, 20, kMiddle));
   const Scene scene(bracket.pyramid);
