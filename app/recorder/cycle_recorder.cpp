@@ -150,7 +150,7 @@ bool CycleRecorder::open_recording(const KeptRecord& record) {
 }
 
 bool CycleRecorder::write(const KeptRecord& record) {
-  const bool other = !writer_.is_open() || writer_.is_full() ||
+  const bool other = !writer_.is_open() || writer_.is_full() || !writer_.takes_frame_of(record) ||
                      written_configuration_ != record.configuration ||
                      static_cast<std::uint64_t>(writer_.bytes()) >= recording_bytes_max_;
   if (other && !open_recording(record)) return false;

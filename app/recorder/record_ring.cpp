@@ -89,23 +89,27 @@ void RecordRing::copy(const CycleRecord& record, KeptRecord& kept) {
   kept.frame = Frame{};
   if (record.frame == nullptr) return;
   const Frame& frame = *record.frame;
-  const auto width = static_cast<std::size_t>(frame.depth_mm.width);
-  const auto height = static_cast<std::size_t>(frame.depth_mm.height);
-  if (frame.depth_mm.empty() || width * height > kept.depth_codes.size()) {
+  kept.has_depth = !frame.depth_mm.empty();
+  kept.has_intensity = !frame.intensity.empty();
+  const int width = kept.has_depth ? frame.depth_mm.width : frame.intensity.width;
+  const int height = kept.has_depth ? frame.depth_mm.height : frame.intensity.height;
+  const auto row_pixels = static_cast<std::size_t>(width);
+  const std::size_t pixels = row_pixels * static_cast<std::size_t>(height);
+  if (pixels == 0) return;
+  if (pixels > kept.depth_codes.size()) {
     too_large_.fetch_add(1, std::memory_order_relaxed);
     return;
   }
   kept.frame = frame;
   kept.frame.depth_mm = {};
   kept.frame.intensity = {};
-  kept.frame.camera.width = frame.depth_mm.width;
-  kept.frame.camera.height = frame.depth_mm.height;
+  kept.frame.camera.width = width;
+  kept.frame.camera.height = height;
   if (frame.depth_scale_mm <= 0) kept.frame.depth_scale_mm = kDepthStep_mm;
-  depth_codes(frame, kept.frame.depth_scale_mm, kept.depth_codes.first(width * height));
-  kept.has_intensity = !frame.intensity.empty();
-  for (int y = 0; kept.has_intensity && y < frame.intensity.height; ++y)
-    std::copy_n(frame.intensity.row(y), width,
-                kept.intensity.data() + static_cast<std::size_t>(y) * width);
+  if (kept.has_depth) depth_codes(frame, kept.frame.depth_scale_mm, kept.depth_codes.first(pixels));
+  for (int y = 0; kept.has_intensity && y < height; ++y)
+    std::copy_n(frame.intensity.row(y), row_pixels,
+                kept.intensity.data() + static_cast<std::size_t>(y) * row_pixels);
 }
 
 void RecordRing::put(const CycleRecord& record, int configuration, bool wanted) {

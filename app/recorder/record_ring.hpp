@@ -42,8 +42,9 @@ struct KeptRecord {
   Frame frame;  // without pixels; width 0: no frame
   std::span<std::uint16_t> depth_codes;
   std::span<std::uint8_t> intensity;
-  bool has_intensity = false;
+  bool has_depth = false, has_intensity = false;
 
+  bool has_frame() const { return frame.camera.width > 0; }
   std::span<const std::uint16_t> frame_codes() const { return depth_codes.first(pixel_count()); }
   std::span<const std::uint8_t> frame_intensity() const { return intensity.first(pixel_count()); }
   std::size_t pixel_count() const {

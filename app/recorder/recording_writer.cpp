@@ -122,16 +122,18 @@ bool RecordingWriter::write_head(const RecordedConfiguration& configuration) {
     if (!write_configuration_file(folder_fd_, file)) return false;
     bytes_ += on_disk(file.text.size());
   }
-  if (!make_folders(folder_fd_, "test/000001/depth")) return false;
+  if (!make_folders(folder_fd_, "test/000001")) return false;
   scene_fd_ = open_folder(folder_fd_, "test/000001");
-  depth_fd_ = open_folder(folder_fd_, "test/000001/depth");
   lines_fd_ = openat(folder_fd_, "cycles.jsonl", O_WRONLY | O_CREAT | O_CLOEXEC, 0640);
-  return scene_fd_ >= 0 && depth_fd_ >= 0 && lines_fd_ >= 0;
+  return scene_fd_ >= 0 && lines_fd_ >= 0;
 }
 
+// The folder of the kind is made with its first image.
 template <class T>
-bool RecordingWriter::write_image(int folder_fd, const char* name, std::span<const T> pixels,
-                                  int width) {
+bool RecordingWriter::write_image(int& folder_fd, const char* kind, const char* name,
+                                  std::span<const T> pixels, int width) {
+  if (folder_fd < 0 && make_folders(scene_fd_, kind)) folder_fd = open_folder(scene_fd_, kind);
+  if (folder_fd < 0) return false;
   NewFile file(folder_fd, name);
   if (file.fd() < 0) return false;
   const std::int64_t bytes = png_.write(file.fd(), pixels, width);
@@ -142,11 +144,10 @@ bool RecordingWriter::write_image(int folder_fd, const char* name, std::span<con
 
 bool RecordingWriter::write_images(const KeptRecord& record, const char* name) {
   const int width = record.frame.camera.width;
-  if (!write_image(depth_fd_, name, record.frame_codes(), width)) return false;
-  if (!record.has_intensity) return true;
-  // Made when it is needed: a data set without intensity has no such folder.
-  if (gray_fd_ < 0 && make_folders(scene_fd_, "gray")) gray_fd_ = open_folder(scene_fd_, "gray");
-  return gray_fd_ >= 0 && write_image(gray_fd_, name, record.frame_intensity(), width);
+  if (record.has_depth && !write_image(depth_fd_, "depth", name, record.frame_codes(), width))
+    return false;
+  return !record.has_intensity ||
+         write_image(gray_fd_, "gray", name, record.frame_intensity(), width);
 }
 
 bool RecordingWriter::write_camera(const KeptRecord& record) {
@@ -210,14 +211,20 @@ bool RecordingWriter::write_frame(const KeptRecord& record) {
   if (write_images(record, name) && write_camera(record)) return true;
   const int error = errno;
   cameras_.shorten(cameras_before);
-  unlinkat(depth_fd_, name, 0);
-  if (gray_fd_ >= 0) unlinkat(gray_fd_, name, 0);
+  for (const int folder_fd : {depth_fd_, gray_fd_})
+    if (folder_fd >= 0) unlinkat(folder_fd, name, 0);
   errno = error;
   return false;
 }
 
+bool RecordingWriter::takes_frame_of(const KeptRecord& record) const {
+  const bool no_frame_yet = depth_fd_ < 0 && gray_fd_ < 0;
+  return !record.has_frame() || no_frame_yet ||
+         (record.has_depth == (depth_fd_ >= 0) && record.has_intensity == (gray_fd_ >= 0));
+}
+
 bool RecordingWriter::write(const KeptRecord& record) {
-  const bool with_frame = record.frame.camera.width > 0;
+  const bool with_frame = record.has_frame();
   if (with_frame && !write_frame(record)) return false;
   const bool written = write_line(record, with_frame);
   // A frame that lost its line stays: the data set is right without it.

@@ -2,7 +2,7 @@
 //
 //   RECORDING/recording.json            format, program, models with their hashes
 //   RECORDING/configuration/...         the configuration's files
-//   RECORDING/test/000001/depth, gray, scene_camera.json
+//   RECORDING/test/000001/depth, gray, scene_camera.json    the folders of what its frames have
 //   RECORDING/cycles.jsonl              a line is written when its frame is there
 //
 // Every file is there whole or not at all; a line without its end is one that was cut off by a
@@ -34,6 +34,9 @@ class RecordingWriter {
   bool begin(int root_fd, const char* name, const RecordedConfiguration& configuration);
   bool is_open() const { return folder_fd_ >= 0; }
   bool is_full() const { return cycle_count_ >= kFramesMax; }
+  // A data set says by its folders what each of its frames has: another kind of frame begins
+  // another recording.
+  bool takes_frame_of(const KeptRecord& record) const;
   void close();
 
   // False: errno says why; what is on the disk is a recording without this record.
@@ -47,7 +50,8 @@ class RecordingWriter {
   bool write_camera(const KeptRecord& record);
   bool write_line(const KeptRecord& record, bool with_frame);
   template <class T>
-  bool write_image(int folder_fd, const char* name, std::span<const T> pixels, int width);
+  bool write_image(int& folder_fd, const char* kind, const char* name, std::span<const T> pixels,
+                   int width);
 
   PngWriter png_;
   FixedText cameras_, line_;

@@ -125,6 +125,46 @@ TEST(CycleRecorder, AnotherConfigurationIsAnotherRecording) {
   EXPECT_THAT(cycles_of(recordings[1]), ElementsAre(2));
 }
 
+// Each data set has the folders of what its frames have, and an order without a frame fits any.
+TEST(CycleRecorder, FramesOfAnotherKindAreAnotherRecording) {
+  const TemporaryFolder folder;
+  {
+    TestRecorder t(test_params(folder.path(), RecordMode::kAlways));
+    std::uint64_t recorded = 0;
+    const auto record = [&](const Frame* frame) {
+      t.recorder.record(TestCycle(++recorded, frame).record);
+      ASSERT_TRUE(holds_in_time([&] { return t.recorder.counters().written == recorded; }));
+    };
+    const auto record_frame = [&](bool with_depth, bool with_intensity) {
+      TestFrame kept(96, 64, recorded + 1);
+      if (!with_depth) kept.frame.depth_mm = {};
+      if (!with_intensity) kept.frame.intensity = {};
+      record(&kept.frame);
+    };
+    record_frame(false, true);
+    record(nullptr);
+    record_frame(false, true);
+    record_frame(true, true);
+    record_frame(true, false);
+    EXPECT_EQ(t.recorder.counters().frame_too_large, 0u);
+  }
+  const auto recordings = recordings_in(folder.path());
+  ASSERT_EQ(recordings.size(), 3u);
+  EXPECT_THAT(cycles_of(recordings[0]), ElementsAre(1, 2, 3));
+  EXPECT_THAT(cycles_of(recordings[1]), ElementsAre(4));
+  EXPECT_THAT(cycles_of(recordings[2]), ElementsAre(5));
+  const auto loaded = [&](std::size_t recording, int image) {
+    const drivers::BopDataset data(recordings[recording], "test");
+    return data.load_frame(data.scene(1), image);
+  };
+  EXPECT_TRUE(loaded(0, 1).depth_mm.empty());
+  EXPECT_EQ(loaded(0, 1).intensity, TestFrame(96, 64, 3).intensity);
+  EXPECT_EQ(loaded(1, 0).depth_mm, TestFrame(96, 64, 4).depth_mm);
+  EXPECT_EQ(loaded(1, 0).intensity, TestFrame(96, 64, 4).intensity);
+  EXPECT_EQ(loaded(2, 0).depth_mm, TestFrame(96, 64, 5).depth_mm);
+  EXPECT_TRUE(loaded(2, 0).intensity.empty());
+}
+
 TEST(CycleRecorder, RestartContinuesTheNumbersAndFullRecordingsEnd) {
   const TemporaryFolder folder;
   std::uint64_t cycle = 0;
