@@ -44,12 +44,14 @@ struct PoseContext {
   WorkerPool& pool;
   Deadline deadline;  // of the stage: hypotheses that it does not reach are dropped
 };
+
 // What a list of better hypotheses has near another one. Without depth a difference in distance
 // that hardly shows does not count.
 struct Neighbours {
   bool repeated = false;  // its pose, or one that an exact symmetry makes equal to it
   int at_place = 0;       // that compete for the same part; not counted to the end where repeated
 };
+
 // How near poses are the same.
 struct SameLimits {
   double diameters, angle_rad;

@@ -8,6 +8,7 @@
 
 #include "binpick/detect/detector.hpp"
 #include "pose/pose_duel.hpp"
+#include "seen_bracket.hpp"
 #include "symmetry_rows.hpp"
 
 namespace binpick {
@@ -27,23 +28,8 @@ const NearBracket& part() {
   return once;
 }
 
-// One bracket on a plane, as the pose stages see it.
-struct OneBracket {
-  explicit OneBracket(const Pose& T_cam_obj)
-      : images(render_brackets(bracket_camera(), {T_cam_obj}, 0.3)),
-        plan{images.camera.width, images.camera.height, 3, 64, {}},
-        arena(FeaturePyramid::footprint(plan) + moves_bytes()),
-        pyramid(plan, arena),
-        moves{PartMoves(part().model(), arena)},
-        truth{T_cam_obj.R, T_cam_obj * part().model().centre_mm()} {
-    pyramid.build(images.frame(), {0, 0, images.camera.width / 4 * 4, images.camera.height / 4 * 4},
-                  NormalCodebook::kHemisphere, simd::make_kernel_table(Isa::kBest), pool);
-  }
-  static std::size_t moves_bytes() {
-    ArenaPlan counted;
-    PartMoves::plan(part().model(), counted);
-    return counted.bytes;
-  }
+struct OneBracket : SeenBracket {
+  explicit OneBracket(const Pose& T_cam_obj) : SeenBracket(T_cam_obj, part().model(), 0.3) {}
   double odds(const Pose& a, const Pose& b) const {
     const Scene scene(pyramid);
     const PredictionGrid grid(part().model(), scene, truth.t_mm);
@@ -52,14 +38,6 @@ struct OneBracket {
     predict(part().model(), scene, grid, b, *of_b);
     return duel(part().model(), scene, grid, a, *of_a, b, *of_b);
   }
-
-  SerialPool pool;
-  BracketScene images;
-  PyramidPlan plan;
-  Arena arena;
-  FeaturePyramid pyramid;
-  std::vector<PartMoves> moves;
-  Pose truth;  // of the part's centre
 };
 
 TEST(PoseDuel, IsWonByThePoseThatIsThere) {

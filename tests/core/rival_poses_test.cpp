@@ -4,48 +4,20 @@
 
 #include <cmath>
 
-#include "bracket.hpp"
 #include "pose/loose_turns.hpp"
 #include "pose/rivals.hpp"
 #include "pose/score.hpp"
+#include "seen_bracket.hpp"
 
 namespace binpick {
 namespace {
 
-// One bracket on a plane, as the pose stages see it.
-struct SeenBracket {
-  explicit SeenBracket(const Pose& T_cam_obj)
-      : images(render_brackets(bracket_camera(), {T_cam_obj}, 0.2)),
-        plan{images.camera.width, images.camera.height, 3, 64, {}},
-        arena(FeaturePyramid::footprint(plan) + moves_bytes()),
-        pyramid(plan, arena),
-        moves{PartMoves(bracket_model(), arena)},
-        truth{T_cam_obj.R, T_cam_obj * bracket_model().centre_mm()} {
-    pyramid.build(images.frame(), {0, 0, images.camera.width / 4 * 4, images.camera.height / 4 * 4},
-                  NormalCodebook::kHemisphere, simd::make_kernel_table(Isa::kBest), pool);
-  }
-  static std::size_t moves_bytes() {
-    ArenaPlan counted;
-    PartMoves::plan(bracket_model(), counted);
-    return counted.bytes;
-  }
-  PoseContext context(const Scene& scene) {
-    return {{&bracket_model(), 1}, moves, scene, pool, {}};
-  }
-  Pose turned(double deg) const {
-    return left_increment(truth, Vec3(0, 0, deg * kDegree), Vec3::Zero(), truth.t_mm);
-  }
-
-  SerialPool pool;
-  BracketScene images;
-  PyramidPlan plan;
-  Arena arena;
-  FeaturePyramid pyramid;
-  std::vector<PartMoves> moves;
-  Pose truth;  // of the part's centre
-};
-
 const Vec3 kMiddle(5, -5, 500);
+
+Pose turned(const SeenBracket& bracket, double deg) {
+  const Pose& truth = bracket.truth;
+  return left_increment(truth, Vec3(0, 0, deg * kDegree), Vec3::Zero(), truth.t_mm);
+}
 
 TEST(LooseTurn, OfLevelFacesIsAboutTheirNormal) {
   const SeenBracket from_above(bracket_pose(0, 0, 20, kMiddle));
@@ -70,7 +42,7 @@ TEST(LooseTurns, BringThePoseThatASearchMissed) {
   SeenBracket bracket(bracket_pose(0, 0, 20, kMiddle));
   const Scene scene(bracket.pyramid);
   std::vector<Hypothesis> list(12);
-  list[0].T_cam_centre = bracket.turned(75);
+  list[0].T_cam_centre = turned(bracket, 75);
   list[0].leads = true;
   list[0].score = 0.5;
   const int count = add_loose_turns(bracket.context(scene), list, 1);
@@ -88,7 +60,7 @@ TEST(LooseTurns, AreNotTriedForWhatIsImprobableOrFollows) {
   list[0].leads = true;
   list[0].score = 0.01;
   list[1].score = 0.9;
-  list[0].T_cam_centre = list[1].T_cam_centre = bracket.turned(75);
+  list[0].T_cam_centre = list[1].T_cam_centre = turned(bracket, 75);
   EXPECT_EQ(add_loose_turns(bracket.context(scene), list, 2), 2);
 }
 
@@ -96,7 +68,7 @@ TEST(LooseTurns, SayThatTheDeadlineCameFirst) {
   SeenBracket bracket(bracket_pose(0, 0, 20, kMiddle));
   const Scene scene(bracket.pyramid);
   std::vector<Hypothesis> list(12);
-  list[0].T_cam_centre = bracket.turned(75);
+  list[0].T_cam_centre = turned(bracket, 75);
   list[0].leads = true;
   list[0].score = 0.5;
   PoseContext late = bracket.context(scene);
@@ -111,7 +83,7 @@ TEST(LooseTurns, StayWithinTheList) {
   const Scene scene(bracket.pyramid);
   std::vector<Hypothesis> list(4);
   for (Hypothesis& h : list) {
-    h.T_cam_centre = bracket.turned(75);
+    h.T_cam_centre = turned(bracket, 75);
     h.leads = true;
     h.score = 0.5;
   }
@@ -124,8 +96,8 @@ TEST(Rivals, MakeAPoseLessProbableUnlessTheyAreTheSamePick) {
   const PoseContext context = bracket.context(scene);
   Hypothesis owner, same, other;
   owner.T_cam_centre = bracket.truth;
-  same.T_cam_centre = bracket.turned(3);
-  other.T_cam_centre = bracket.turned(40);
+  same.T_cam_centre = turned(bracket, 3);
+  other.T_cam_centre = turned(bracket, 40);
   for (Hypothesis* h : {&owner, &same, &other}) verify_pose(context, *h);
   const double alone = owner.score;
   meet_rival(context, owner, same);
