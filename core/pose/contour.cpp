@@ -13,15 +13,20 @@ constexpr int kRangeMax = 12;
 // Contrast over two pixels below which an intensity edge is noise.
 constexpr float kContrastMin = 8;
 
-float gray_at(const PyramidLevel& level, double u, double v) {
-  const int x = static_cast<int>(u), y = static_cast<int>(v);
-  const float fx = static_cast<float>(u) - static_cast<float>(x),
-              fy = static_cast<float>(v) - static_cast<float>(y);
-  const std::uint8_t* p = level.gray + y * level.stride + x;
-  const float top = static_cast<float>(p[0]) * (1 - fx) + static_cast<float>(p[1]) * fx;
-  const float bottom =
-      static_cast<float>(p[level.stride]) * (1 - fx) + static_cast<float>(p[level.stride + 1]) * fx;
-  return top * (1 - fy) + bottom * fy;
+// Places in an image in 1/65536 px, weights between pixels in 1/2048 px: whole numbers are faster.
+constexpr int kPlaceBits = 16, kWeightBits = 11;
+int fixed_place(double px) {
+  return static_cast<int>(px * (1 << kPlaceBits));
+}
+
+float gray_at(const PyramidLevel& level, int u, int v) {
+  constexpr int kOne = 1 << kWeightBits, kBelow = kPlaceBits - kWeightBits;
+  const int fx = (u >> kBelow) & (kOne - 1), fy = (v >> kBelow) & (kOne - 1);
+  const std::uint8_t* p = level.gray + (v >> kPlaceBits) * level.stride + (u >> kPlaceBits);
+  const std::uint8_t* q = p + level.stride;
+  const int top = p[0] * (kOne - fx) + p[1] * fx, bottom = q[0] * (kOne - fx) + q[1] * fx;
+  constexpr float kScale = 1.0f / (1 << 2 * kWeightBits);
+  return static_cast<float>(top * (kOne - fy) + bottom * fy) * kScale;
 }
 
 }  // namespace
@@ -57,11 +62,10 @@ ContourMatch match_contour(const ContourPlace& place, const Scene& scene, int ra
   range_px = std::min(range_px, kRangeMax);
   float profile[2 * kRangeMax + 3];
   const int samples = 2 * range_px + 3;
-  for (int i = 0; i < samples; ++i) {
-    const double s = i - range_px - 1;
-    profile[i] = gray_at(scene.intensity, place.pixel.x() + s * place.normal_px.x(),
-                         place.pixel.y() + s * place.normal_px.y());
-  }
+  const int du = fixed_place(place.normal_px.x()), dv = fixed_place(place.normal_px.y());
+  int u = fixed_place(place.pixel.x()) - (range_px + 1) * du,
+      v = fixed_place(place.pixel.y()) - (range_px + 1) * dv;
+  for (int i = 0; i < samples; ++i, u += du, v += dv) profile[i] = gray_at(scene.intensity, u, v);
   // The strongest step, nearer ones preferred.
   float best = 0;
   int at = -1;

@@ -142,7 +142,7 @@ double contour_promise(const ObjectModel& model, const Scene& scene, const Pose&
     ++count;
     if (!place.visible) continue;
     const Vec2 px = level.camera.project(place.point_cam);
-    const int u = static_cast<int>(std::lround(px.x())), v = static_cast<int>(std::lround(px.y()));
+    const int u = nearest_pixel(px.x()), v = nearest_pixel(px.y());
     if (u < 0 || v < 0 || u >= level.width || v >= level.height) continue;
     const unsigned bits = level.plain.gradient[v * level.plain.stride + u];
     // By chance one of the three directions near the contour's is among those of any k.

@@ -12,8 +12,7 @@ constexpr double kDirectionCosMin = 0.87;
 
 Vec2 gray_gradient(const Scene& scene, const Vec2& pixel) {
   const PyramidLevel& level = scene.intensity;
-  const int x = static_cast<int>(std::lround(pixel.x())),
-            y = static_cast<int>(std::lround(pixel.y()));
+  const int x = nearest_pixel(pixel.x()), y = nearest_pixel(pixel.y());
   if (x < 1 || y < 1 || x >= level.width - 1 || y >= level.height - 1) return Vec2::Zero();
   const std::uint8_t* at = level.gray + y * level.stride + x;
   const std::uint8_t *above = at - level.stride, *below = at + level.stride;

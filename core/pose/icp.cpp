@@ -67,12 +67,12 @@ IcpResult icp(const ObjectModel& model, const Scene& scene, const IcpParams& par
       params.iterations_max > 1
           ? std::pow(params.gate_end_mm / params.gate_start_mm, 1.0 / (params.iterations_max - 1))
           : 1.0;
+  FollowedViewpoint viewpoint(model);
   double gate_mm = params.gate_start_mm;
   for (int i = 0; i < params.iterations_max; ++i, gate_mm *= shrink) {
-    const Viewpoint& view = nearest_viewpoint(model, T);
     NormalEquations equations;
-    result.pairs =
-        add_depth_residuals(view, model, scene, T, params.sample_step, gate_mm, 1.0, equations);
+    result.pairs = add_depth_residuals(viewpoint.at(T), model, scene, T, params.sample_step,
+                                       gate_mm, 1.0, equations);
     if (result.pairs < 10) return result;
     result.rms_mm = std::sqrt(equations.cost / equations.count);
     // Directions along which the surface slides are held by a prior worth a few samples.

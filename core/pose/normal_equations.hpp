@@ -9,14 +9,16 @@
 namespace binpick {
 
 struct NormalEquations {
-  Eigen::Matrix<double, 6, 6> H = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 6> H = Eigen::Matrix<double, 6, 6>::Zero();  // the lower triangle
   Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
   double cost = 0;
   int count = 0;
 
   // Residual r with gradient J and weight w.
   void add(const Eigen::Matrix<double, 6, 1>& J, double r, double w) {
-    H.noalias() += w * J * J.transpose();
+    const Eigen::Matrix<double, 6, 1> weighted = w * J;
+    for (int column = 0; column < 6; ++column)
+      for (int row = column; row < 6; ++row) H(row, column) += weighted[row] * J[column];
     g.noalias() += w * r * J;
     cost += w * r * r;
     ++count;
@@ -28,7 +30,7 @@ struct NormalEquations {
     Eigen::Matrix<double, 6, 6> A = H;
     A.diagonal().head<3>().array() += turn_damping;
     A.diagonal().tail<3>().array() += shift_damping;
-    return A.ldlt().solve(-g);
+    return A.selfadjointView<Eigen::Lower>().ldlt().solve(-g);
   }
 };
 

@@ -10,6 +10,7 @@ namespace binpick {
 namespace {
 
 constexpr int kIterationsMax = 30;
+constexpr double kDecreaseMin = 1e-5;  // of the cost, in a step
 
 // Residuals and derivatives at a pose; a point behind the camera makes the cost infinite.
 NormalEquations reprojection(std::span<const Correspondence> correspondences,
@@ -51,7 +52,8 @@ PnpResult solve_pnp(std::span<const Correspondence> correspondences, const Camer
     const Pose moved = left_increment(T, step.head<3>(), step.tail<3>(), T.t_mm);
     const NormalEquations then = reprojection(correspondences, camera, moved);
     if (std::isfinite(then.cost) && then.cost <= now.cost) {
-      result.converged = now.cost - then.cost <= 1e-9 * (now.cost + 1e-12) || step.norm() < 1e-7;
+      result.converged =
+          now.cost - then.cost <= kDecreaseMin * now.cost + 1e-18 || step.norm() < 1e-7;
       T = moved;
       now = then;
       damping *= 0.3;

@@ -18,9 +18,11 @@ struct RefineParams {
 // With the gate for this part at this distance in this frame.
 RefineParams refine_params(const ObjectModel& model, const Scene& scene, const Pose& T_cam_centre);
 
-// The residuals of one pass, depth and contour, at a pose; how many there are.
-int add_residuals(const ObjectModel& model, const Scene& scene, const RefineParams& params,
-                  int contour_range_px, const Pose& T_cam_centre, NormalEquations& equations);
+// The residuals of one pass, depth and contour, at a pose that is seen from near the viewpoint; how
+// many there are.
+int add_residuals(const ObjectModel& model, const Viewpoint& view, const Scene& scene,
+                  const RefineParams& params, int contour_range_px, const Pose& T_cam_centre,
+                  NormalEquations& equations);
 
 void refine(const ObjectModel& model, const Scene& scene, const RefineParams& params,
             Pose& T_cam_centre);

@@ -10,6 +10,14 @@
 
 namespace binpick {
 
+// The whole pixel nearest to a place. What is far from any image, or no number, stays outside.
+// Without std::lround(), whose call is a good part of a look at a pixel.
+inline int nearest_pixel(double place) {
+  const double x = std::min(std::max(-1e6, place), 1e6) + 0.5;
+  const int cut = static_cast<int>(x);  // towards zero
+  return cut - (static_cast<double>(cut) > x);
+}
+
 struct Scene {
   const PyramidLevel& depth;      // level at which normals were fitted: depth averaged over 2x2 px
   const PyramidLevel& intensity;  // level 0
@@ -51,7 +59,7 @@ struct Scene {
   };
   Measurement measured_at(const Vec3& point_cam) const {
     const Vec2 uv = depth.camera.project(point_cam);
-    const int u = static_cast<int>(std::lround(uv.x())), v = static_cast<int>(std::lround(uv.y()));
+    const int u = nearest_pixel(uv.x()), v = nearest_pixel(uv.y());
     return {u, v, depth_at(u, v)};
   }
   // Whether a point of a surface lies on what was measured where it projects to, as far as the
@@ -65,9 +73,8 @@ struct Scene {
   // Measured depth at a pixel of level 0; 0 where there is none.
   double measured_px(const Vec2& pixel) const {
     const double scale = 1 << kFeatureLevel;
-    const int u = static_cast<int>(std::lround((pixel.x() + 0.5) / scale - 0.5));
-    const int v = static_cast<int>(std::lround((pixel.y() + 0.5) / scale - 0.5));
-    return depth_at(u, v);
+    return depth_at(nearest_pixel((pixel.x() + 0.5) / scale - 0.5),
+                    nearest_pixel((pixel.y() + 0.5) / scale - 0.5));
   }
   // Area in the image of what faces the camera at this depth.
   double px2_per_mm2(double depth_mm) const {

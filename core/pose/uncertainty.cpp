@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pose/view_lookup.hpp"
+
 namespace binpick {
 namespace {
 
@@ -28,11 +30,12 @@ PoseUncertainty pose_uncertainty(const ObjectModel& model, const Scene& scene,
   const double diameter_mm = model.info().diameter_mm;
   const double radius_mm = diameter_mm / 4;  // of what turns with the part, on average
   NormalEquations equations;
-  add_residuals(model, scene, params, params.contour_range_end_px, T, equations);
+  add_residuals(model, nearest_viewpoint(model, T), scene, params, params.contour_range_end_px, T,
+                equations);
   // Residuals that scatter more than the noise reckoned with tell less; that they scatter less
   // does not make the data better.
   const double scatter = std::max(1.0, equations.cost / std::max(1, equations.count - 6));
-  Eigen::Matrix<double, 6, 6> information = equations.H;
+  Eigen::Matrix<double, 6, 6> information = equations.H.selfadjointView<Eigen::Lower>();
   information /= scatter * model.trials().variance_scale_of(scene.modality());
   const double prior_mm = kPriorShare * diameter_mm, prior_rad = prior_mm / radius_mm;
   information.diagonal().head<3>().array() += 1 / (prior_rad * prior_rad);

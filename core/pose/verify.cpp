@@ -141,7 +141,11 @@ double normal_agreement(const Scene& scene, int u, int v, const Vec3& p, const V
   const double x = static_cast<double>(scene.depth.normal_x[i]),
                y = static_cast<double>(scene.depth.normal_y[i]);
   const Vec3 n_ray(x, y, -std::sqrt(std::max(0.0, 1 - x * x - y * y)));
-  return n_cam.dot(rotation_between(Vec3::UnitZ(), p.normalized()) * n_ray);
+  // Turned as the z axis is into the ray (Rodrigues), which is less than half a turn.
+  const Vec3 ray = p.normalized();
+  const Vec3 axis(-ray.y(), ray.x(), 0);
+  const Vec3 across = axis.cross(n_ray);
+  return n_cam.dot(n_ray + across + axis.cross(across) / (1 + ray.z()));
 }
 
 Evidence verify(const ObjectModel& model, const Scene& scene, const Pose& T) {

@@ -8,6 +8,20 @@ namespace binpick {
 // The leaf viewpoint nearest to the direction from which the camera sees the part at this pose.
 const Viewpoint& nearest_viewpoint(const ObjectModel& model, const Pose& T_cam_centre);
 
+// The same for a pose that is moved in small steps: viewpoints are only gone through again when
+// another one may have become the nearest.
+class FollowedViewpoint {
+ public:
+  explicit FollowedViewpoint(const ObjectModel& model) : model_(model) {}
+  const Viewpoint& at(const Pose& T_cam_centre);
+
+ private:
+  const ObjectModel& model_;
+  const Viewpoint* found_ = nullptr;
+  Eigen::Vector3f direction_ = Eigen::Vector3f::Zero();  // for which it was found, in object axes
+  float lead_ = 0;
+};
+
 // Along which the camera looks at the part from a viewpoint, in object axes.
 inline Vec3 viewing_direction(const Viewpoint& v) {
   return {static_cast<double>(v.R_view_obj[6]), static_cast<double>(v.R_view_obj[7]),
