@@ -66,7 +66,7 @@ class TomlWriter final : public KeyVisitor {
 };
 
 template <class Part>
-std::string written(Part part) {
+std::string written_keys(Part part) {
   TomlWriter writer;
   visit_keys(part, writer);
   return writer.written;
@@ -75,11 +75,11 @@ std::string written(Part part) {
 }  // namespace
 
 std::string written_config(const Config& config) {
-  return written(config);
+  return written_keys(config);
 }
 
 std::string written_recipe(const RecipeConfig& recipe) {
-  return written(recipe);
+  return written_keys(recipe);
 }
 
 }  // namespace binpick::app

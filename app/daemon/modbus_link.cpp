@@ -11,7 +11,7 @@ namespace {
 namespace map = modbus::map;
 
 // The register map promises a heartbeat every 200 ms at least.
-constexpr int kTurn_ms = 50;
+constexpr int kLinkTurn_ms = 50;
 
 template <class Bit>
 std::uint16_t bit_if(bool set, Bit bit) {
@@ -69,7 +69,7 @@ void ModbusLink::stop() {
 void ModbusLink::run() {
   pthread_setname_np(pthread_self(), "modbus-link");
   std::unique_lock lock(stop_mutex_);
-  while (!stop_.wait_for(lock, std::chrono::milliseconds(kTurn_ms), [&] { return stopping_; }))
+  while (!stop_.wait_for(lock, std::chrono::milliseconds(kLinkTurn_ms), [&] { return stopping_; }))
     turn();
 }
 

@@ -10,11 +10,11 @@ namespace binpick::app {
 namespace {
 
 using Instance = std::pair<drivers::FrameId, int>;
-using Targets = std::vector<const TargetFinding*>;
+using PartTargets = std::vector<const TargetFinding*>;
 
-Targets targets_of(const PartScore& part, const std::vector<TargetFinding>& targets) {
+PartTargets targets_of(const PartScore& part, const std::vector<TargetFinding>& targets) {
   const std::set<drivers::FrameId> frames(part.frames.begin(), part.frames.end());
-  Targets own;
+  PartTargets own;
   for (const TargetFinding& t : targets) {
     if (t.obj_id == part.obj_id && frames.contains(t.frame)) own.push_back(&t);
   }
@@ -22,7 +22,8 @@ Targets targets_of(const PartScore& part, const std::vector<TargetFinding>& targ
 }
 
 // Whether a pose of `start` takes the place of this detection.
-bool displaced(const ResultRow& row, const Targets& targets, OracleStart ReferenceFinding::*start) {
+bool displaced(const ResultRow& row, const PartTargets& targets,
+               OracleStart ReferenceFinding::*start) {
   return std::any_of(targets.begin(), targets.end(), [&](const TargetFinding* t) {
     const ReferenceFinding& f = t->finding;
     return t->frame == row.frame && f.has_rival && f.rival_share > kOwnedShareMax &&
@@ -33,7 +34,7 @@ bool displaced(const ResultRow& row, const Targets& targets, OracleStart Referen
 
 // The best F1, were every part begun at `start`.
 ThresholdScore reachable(const PartScore& part, const std::vector<ResultRow>& rows,
-                         const Targets& targets, OracleStart ReferenceFinding::*start) {
+                         const PartTargets& targets, OracleStart ReferenceFinding::*start) {
   std::vector<Scored> scored;
   for (const TargetFinding* t : targets) {
     const OracleStart& s = t->finding.*start;
@@ -51,7 +52,7 @@ ThresholdScore reachable(const PartScore& part, const std::vector<ResultRow>& ro
 PartFaults faults_of(const PartScore& part, const PartGeometry& geometry, const TruthByFrame& truth,
                      const std::vector<ResultRow>& rows, const ScoreOptions& options,
                      const std::vector<TargetFinding>& all_targets) {
-  const Targets targets = targets_of(part, all_targets);
+  const PartTargets targets = targets_of(part, all_targets);
   PartFaults out;
   out.name = part_name(part);
   out.obj_id = part.obj_id;

@@ -32,7 +32,7 @@ std::int64_t on_disk(std::size_t bytes) {
   return static_cast<std::int64_t>((bytes + kBlock - 1) / kBlock * kBlock);
 }
 
-int open_folder(int parent_fd, const char* path) {
+int open_below(int parent_fd, const char* path) {
   return openat(parent_fd, path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 }
 
@@ -91,7 +91,7 @@ bool RecordingWriter::begin(int root_fd, const char* name,
   constexpr int kFoldersAndGrowingFiles = 8;
   bytes_ = kFoldersAndGrowingFiles * on_disk(1);
   if (!make_folders(root_fd, name)) return false;
-  folder_fd_ = open_folder(root_fd, name);
+  folder_fd_ = open_below(root_fd, name);
   if (folder_fd_ >= 0 && write_head(configuration)) return true;
   const int error = errno;
   close();
@@ -123,7 +123,7 @@ bool RecordingWriter::write_head(const RecordedConfiguration& configuration) {
     bytes_ += on_disk(file.text.size());
   }
   if (!make_folders(folder_fd_, "test/000001")) return false;
-  scene_fd_ = open_folder(folder_fd_, "test/000001");
+  scene_fd_ = open_below(folder_fd_, "test/000001");
   lines_fd_ = openat(folder_fd_, "cycles.jsonl", O_WRONLY | O_CREAT | O_CLOEXEC, 0640);
   return scene_fd_ >= 0 && lines_fd_ >= 0;
 }
@@ -132,7 +132,7 @@ bool RecordingWriter::write_head(const RecordedConfiguration& configuration) {
 template <class T>
 bool RecordingWriter::write_image(int& folder_fd, const char* kind, const char* name,
                                   std::span<const T> pixels, int width) {
-  if (folder_fd < 0 && make_folders(scene_fd_, kind)) folder_fd = open_folder(scene_fd_, kind);
+  if (folder_fd < 0 && make_folders(scene_fd_, kind)) folder_fd = open_below(scene_fd_, kind);
   if (folder_fd < 0) return false;
   NewFile file(folder_fd, name);
   if (file.fd() < 0) return false;

@@ -7,7 +7,7 @@
 namespace binpick::app {
 namespace {
 
-constexpr std::chrono::milliseconds kIdlePeriod{250};
+constexpr std::chrono::milliseconds kIdleWait{250};
 // Free running does not hammer on a sensor that is lost.
 constexpr std::int64_t kPauseAfterFault_ns = 100'000'000;
 
@@ -107,7 +107,7 @@ std::optional<Order> Station::next_order() {
     if (started_) {
       if (std::optional<Order> order = take_order()) return order;
     }
-    std::chrono::nanoseconds wait = kIdlePeriod;
+    std::chrono::nanoseconds wait = kIdleWait;
     if (started_ && cycle_.free_running()) {
       const std::chrono::nanoseconds left(free_run_due_ns_ - parts_.clock());
       wait = std::clamp(left, std::chrono::nanoseconds(0), wait);

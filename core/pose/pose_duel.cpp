@@ -20,7 +20,7 @@ constexpr double kWindowPx2 = 20;  // of the depth level
 // Of a contour point: on an edge, beside none, and in the middle of a surface.
 constexpr double kOnStep = 1.2, kOnEdge = 0.6, kOnNone = -0.8, kOnSurface = -1.5;
 constexpr double kCreaseSeen = 0.6, kCreaseUnseen = -0.4;
-constexpr int kContourRangePx = 3;
+constexpr int kDuelRangePx = 3;
 // Between the cosines of two faces that meet at a crease.
 constexpr float kBend = 0.2f;
 
@@ -128,8 +128,8 @@ double depth_odds(const Scene& scene, const PredictionGrid& grid, const PosePred
 double contour_value(const Scene& scene, const ContourPlace& place, bool outline,
                      double tolerance_mm) {
   if (outline && on_depth_edge(scene, place.point_cam, place.normal_px)) return kOnStep;
-  const ContourMatch m = match_contour(place, scene, kContourRangePx);
-  const double near = m.found ? 1 - std::abs(m.offset_px) / (kContourRangePx + 1) : 0;
+  const ContourMatch m = match_contour(place, scene, kDuelRangePx);
+  const double near = m.found ? 1 - std::abs(m.offset_px) / (kDuelRangePx + 1) : 0;
   if (!outline) return m.found ? kCreaseSeen * near : kCreaseUnseen;
   if (m.found) return kOnEdge * near;
   return surface_continues(scene, place, tolerance_mm) ? kOnSurface : kOnNone;
@@ -143,7 +143,7 @@ double contour_odds(const ObjectModel& model, const Scene& scene, const Predicti
   for (const ContourSample& s : model.contour(nearest_viewpoint(model, T))) {
     const bool outline = s.is_silhouette >= 0.5f;
     if (!outline && !scene.with_intensity) continue;
-    const ContourPlace place = place_contour(s, scene, T, kContourRangePx, tolerance_mm);
+    const ContourPlace place = place_contour(s, scene, T, kDuelRangePx, tolerance_mm);
     if (!place.visible) continue;
     int x = 0, y = 0;
     const int cell = cell_of(grid, scene.depth.camera.project(place.point_cam), x, y);
@@ -176,7 +176,7 @@ void predict(const ObjectModel& model, const Scene& scene, const PredictionGrid&
     paint(scene, grid, T * position_of(s), T.R * normal_of(s), spacing_mm, out);
   const double tolerance_mm = contour_tolerance_mm(model, scene, T);
   for (const ContourSample& s : model.contour(view)) {
-    const ContourPlace place = place_contour(s, scene, T, kContourRangePx, tolerance_mm);
+    const ContourPlace place = place_contour(s, scene, T, kDuelRangePx, tolerance_mm);
     int x = 0, y = 0;
     const int cell = cell_of(grid, scene.depth.camera.project(T * position_of(s)), x, y);
     if (cell >= 0 && !place.normal_px.isZero()) mark_edge(cell, place.normal_px, out);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr unsigned kAtBoth = kAtGigE | kAtUsb3;
 
-constexpr FaultKind kKinds[kFaultCount] = {
+constexpr FaultKind kFaultKinds[kFaultCount] = {
     {"loss", kAtGigE, 1, "P: each stream packet is lost with probability P, resent ones too"},
     {"reorder", kAtGigE, 1, "P: a packet changes places with the next"},
     {"duplicate", kAtGigE, 1, "P: a packet comes twice"},
@@ -36,12 +36,12 @@ constexpr FaultKind kKinds[kFaultCount] = {
 }  // namespace
 
 const FaultKind& fault_kind(Fault fault) {
-  return kKinds[fault];
+  return kFaultKinds[fault];
 }
 
 std::string fault_help(FaultUse use) {
   std::string text;
-  for (const FaultKind& kind : kKinds) {
+  for (const FaultKind& kind : kFaultKinds) {
     if ((kind.use & use) == 0) continue;
     char line[160];
     std::snprintf(line, sizeof line, "  %-14s %s\n", kind.name, kind.help);
@@ -52,14 +52,14 @@ std::string fault_help(FaultUse use) {
 
 std::string FaultBoard::set(const std::string& name, const std::string& value) {
   for (int i = 0; i < kFaultCount; ++i) {
-    if (name != kKinds[i].name || (kKinds[i].use & use_) == 0) continue;
+    if (name != kFaultKinds[i].name || (kFaultKinds[i].use & use_) == 0) continue;
     char* end = nullptr;
     const double number = std::strtod(value.c_str(), &end);
     const bool whole = !value.empty() && *end == '\0';
-    if (!whole || !std::isfinite(number) || number < 0 || number > kKinds[i].max) {
+    if (!whole || !std::isfinite(number) || number < 0 || number > kFaultKinds[i].max) {
       char text[80];
-      std::snprintf(text, sizeof text, "%s takes a number from 0 to %g", kKinds[i].name,
-                    kKinds[i].max);
+      std::snprintf(text, sizeof text, "%s takes a number from 0 to %g", kFaultKinds[i].name,
+                    kFaultKinds[i].max);
       return text;
     }
     values_[static_cast<std::size_t>(i)].store(number, std::memory_order_relaxed);
@@ -77,7 +77,7 @@ std::string FaultBoard::text() const {
   for (int i = 0; i < kFaultCount; ++i) {
     if (!on(static_cast<Fault>(i))) continue;
     char entry[64];
-    std::snprintf(entry, sizeof entry, "%s%s=%g", text.empty() ? "" : " ", kKinds[i].name,
+    std::snprintf(entry, sizeof entry, "%s%s=%g", text.empty() ? "" : " ", kFaultKinds[i].name,
                   value(static_cast<Fault>(i)));
     text += entry;
   }
