@@ -2,6 +2,7 @@
 
 #include "detect/acceptance.hpp"
 #include "detect/nearest_template.hpp"
+#include "pose/rivals.hpp"
 #include "pose/screen.hpp"
 
 namespace binpick {
@@ -86,6 +87,22 @@ class Starter {
     return ownership_.owned(model_, scene_, h.T_cam_centre).share;
   }
 
+  // As where the scene is explained, were this the best pose of its place.
+  void meet_rivals(Hypothesis& h) {
+    ownership_.clear(scene_);
+    ownership_.claim(model_, scene_, h.T_cam_centre, 0);
+    for (Hypothesis o : cycle_.explained) {
+      const bool competed = o.alive || o.drop_reason == DropReason::kOverlapsBetter ||
+                            o.drop_reason == DropReason::kBelowMinScore;
+      if (!competed) continue;
+      o.rival_odds = 0;
+      const ObjectModel& model = cycle_.models[o.candidate.model];
+      if (ownership_.owned(model, scene_, o.T_cam_centre).share > kOwnedShareMax)
+        meet_rival(context(), h, o);
+    }
+    score_beside_rivals(context(), h);
+  }
+
   OracleStart finished(Hypothesis& h) {
     OracleStart out;
     if (!h.alive) return out;
@@ -93,6 +110,7 @@ class Starter {
     out.posed = true;
     out.error = error_of(h);
     out.rank = h.rank;
+    meet_rivals(h);
     out.detection = detection_of(cycle_.models, scene_, h);
     if (const auto objection = objection_to(h, cycle_.request.min_score)) {
       out.objected = true;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "bracket.hpp"
@@ -14,9 +16,9 @@ namespace {
 const DetectorLimits kLimits{480, 360, 0, 0, 32};
 
 struct Rig {
-  Rig()
+  explicit Rig(std::vector<ObjectModel> parts = {bracket_model()})
       : pool(1),
-        models{bracket_model()},
+        models(std::move(parts)),
         arena(Detector::footprint(models, kLimits, {}, 1)),
         detector(models, kLimits, {}, pool, nullptr, arena) {
     arena.seal();
@@ -67,6 +69,25 @@ TEST(Diagnosis, FollowsAFoundPartToTheEnd) {
       }
     }
     EXPECT_GE(searched, 2);
+  }
+}
+
+// Two parts of one shape: whatever explains the one explains the other.
+TEST(Diagnosis, ScoresThePoseFromTheTruthBesideItsRivals) {
+  const BracketScene scene = render_brackets(bracket_camera(), three_brackets(), 0.1);
+  Rig alone, twice({bracket_model(), bracket_model()});
+  std::vector<ReferenceFinding> without_rival, with_rival;
+  ASSERT_TRUE(alone.diagnosed(scene.frame(), scene.truth, without_rival).ok());
+  const auto report = twice.diagnosed(scene.frame(), scene.truth, with_rival);
+  ASSERT_TRUE(report.ok());
+  for (std::size_t i = 0; i < scene.truth.size(); ++i) {
+    const double score = with_rival[i].from_truth.detection.score;
+    EXPECT_LT(score, without_rival[i].from_truth.detection.score - 0.002);
+    const auto found = report.value().detections;
+    EXPECT_TRUE(std::any_of(found.begin(), found.end(), [&](const Detection& d) {
+      return pose_error(d.T_cam_obj, scene.truth[i]).within(1, 1) &&
+             std::abs(d.score - score) < 0.002;
+    }));
   }
 }
 
