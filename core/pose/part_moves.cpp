@@ -25,11 +25,6 @@ bool within(const Pose& a, const Pose& b, double position_mm, double rotation_ra
          rotation_angle_between(a.R, b.R) < rotation_rad;
 }
 
-// Along which the camera looks at the part, in the part's axes.
-Vec3 seen_along(const Pose& T) {
-  return T.R.transpose() * T.t_mm.normalized();
-}
-
 }  // namespace
 
 void PartMoves::plan(const ObjectModel& model, ArenaPlan& plan) {

@@ -3,10 +3,6 @@
 namespace binpick {
 namespace {
 
-Eigen::Vector3f seen_along(const Pose& T_cam_centre) {
-  return (T_cam_centre.R.transpose() * T_cam_centre.t_mm.normalized()).cast<float>();
-}
-
 struct Nearest {
   const Viewpoint* viewpoint;
   float lead;  // of its cosine over the second one's
@@ -35,14 +31,14 @@ Nearest nearest_to(const Eigen::Vector3f& direction, const ObjectModel& model) {
 }  // namespace
 
 const Viewpoint& nearest_viewpoint(const ObjectModel& model, const Pose& T_cam_centre) {
-  return *nearest_to(seen_along(T_cam_centre), model).viewpoint;
+  return *nearest_to(seen_along(T_cam_centre).cast<float>(), model).viewpoint;
 }
 
 // A cosine changes by no more than the direction does: while that is less than half the lead, no
 // other viewpoint can have become the nearest.
 const Viewpoint& FollowedViewpoint::at(const Pose& T_cam_centre) {
   constexpr float kRounding = 1e-6f;
-  const Eigen::Vector3f direction = seen_along(T_cam_centre);
+  const Eigen::Vector3f direction = seen_along(T_cam_centre).cast<float>();
   if (found_ == nullptr || (direction - direction_).norm() + kRounding > lead_ / 2) {
     const Nearest nearest = nearest_to(direction, model_);
     found_ = nearest.viewpoint;

@@ -5,6 +5,11 @@
 
 namespace binpick {
 
+// The direction in which the camera looks at the part, in object axes.
+inline Vec3 seen_along(const Pose& T_cam_centre) {
+  return T_cam_centre.R.transpose() * T_cam_centre.t_mm.normalized();
+}
+
 // The leaf viewpoint nearest to the direction from which the camera sees the part at this pose.
 const Viewpoint& nearest_viewpoint(const ObjectModel& model, const Pose& T_cam_centre);
 

@@ -19,6 +19,15 @@ Pose turned(const SeenBracket& bracket, double deg) {
   return left_increment(truth, Vec3(0, 0, deg * kDegree), Vec3::Zero(), truth.t_mm);
 }
 
+// Probable enough, and the best of its place, for its turns to be tried.
+Hypothesis leader_at(const Pose& T_cam_centre) {
+  Hypothesis h;
+  h.T_cam_centre = T_cam_centre;
+  h.leads = true;
+  h.score = 0.5;
+  return h;
+}
+
 TEST(LooseTurn, OfLevelFacesIsAboutTheirNormal) {
   const SeenBracket from_above(bracket_pose(0, 0, 20, kMiddle));
   const auto turn = loose_turn(bracket_model(), Scene(from_above.pyramid), from_above.truth);
@@ -42,9 +51,7 @@ TEST(LooseTurns, BringThePoseThatASearchMissed) {
   SeenBracket bracket(bracket_pose(0, 0, 20, kMiddle));
   const Scene scene(bracket.pyramid);
   std::vector<Hypothesis> list(12);
-  list[0].T_cam_centre = turned(bracket, 75);
-  list[0].leads = true;
-  list[0].score = 0.5;
+  list[0] = leader_at(turned(bracket, 75));
   const int count = add_loose_turns(bracket.context(scene), list, 1);
   ASSERT_GT(count, 1);
   int right = 0;
@@ -68,9 +75,7 @@ TEST(LooseTurns, SayThatTheDeadlineCameFirst) {
   SeenBracket bracket(bracket_pose(0, 0, 20, kMiddle));
   const Scene scene(bracket.pyramid);
   std::vector<Hypothesis> list(12);
-  list[0].T_cam_centre = turned(bracket, 75);
-  list[0].leads = true;
-  list[0].score = 0.5;
+  list[0] = leader_at(turned(bracket, 75));
   PoseContext late = bracket.context(scene);
   late.deadline = {[]() -> std::int64_t { return 2; }, 1};
   ASSERT_EQ(add_loose_turns(late, list, 1), 2);
@@ -81,12 +86,7 @@ TEST(LooseTurns, SayThatTheDeadlineCameFirst) {
 TEST(LooseTurns, StayWithinTheList) {
   SeenBracket bracket(bracket_pose(0, 0, 20, kMiddle));
   const Scene scene(bracket.pyramid);
-  std::vector<Hypothesis> list(4);
-  for (Hypothesis& h : list) {
-    h.T_cam_centre = turned(bracket, 75);
-    h.leads = true;
-    h.score = 0.5;
-  }
+  std::vector<Hypothesis> list(4, leader_at(turned(bracket, 75)));
   EXPECT_EQ(add_loose_turns(bracket.context(scene), list, 3), 3);
 }
 
