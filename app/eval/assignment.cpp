@@ -7,10 +7,11 @@ namespace {
 
 ThresholdScore from_counts(int right, int wrong, int instances) {
   ThresholdScore score;
+  score.judged = right + wrong;
   const int sum = instances + right + wrong;
   score.f1 = sum > 0 ? 2.0 * right / sum : 0.0;
   score.recall = instances > 0 ? static_cast<double>(right) / instances : 0.0;
-  score.precision = right + wrong > 0 ? static_cast<double>(right) / (right + wrong) : 0.0;
+  score.precision = score.judged > 0 ? static_cast<double>(right) / score.judged : 0.0;
   return score;
 }
 

@@ -30,6 +30,7 @@ enum class Verdict { kRight, kWrong, kNeutral };
 struct ThresholdScore {
   double f1 = 0, recall = 0, precision = 0;
   std::optional<double> threshold;  // none where no detection is right
+  int judged = 0;                   // detections right or wrong; of none the precision says nothing
 };
 
 struct CurvePoint {

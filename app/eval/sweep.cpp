@@ -1,6 +1,7 @@
 #include "eval/sweep.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 
 #include "eval/run_summary.hpp"
@@ -34,23 +35,35 @@ std::vector<const PartScore*> all_parts(const ScoreReport& report) {
   return parts;
 }
 
+struct Mean {
+  double sum = 0;
+  int count = 0;
+  void add(double value) {
+    sum += value;
+    ++count;
+  }
+};
+
 void add_point(SweepCurves& curves, double level, const ScoreReport& report) {
   const auto parts = all_parts(report);
   if (curves.parts.empty()) {
     for (const PartScore* p : parts) curves.parts.push_back({part_name(*p), {}, {}});
     for (const char* name : {"F1", "precision", "recall"}) curves.means.push_back({name, {}, {}});
   }
-  double means[3] = {0, 0, 0};
+  Mean f1, precision, recall;
   for (std::size_t i = 0; i < parts.size() && i < curves.parts.size(); ++i) {
     curves.parts[i].x.push_back(level);
     curves.parts[i].y.push_back(parts[i]->best.f1);
     const ThresholdScore fixed = parts[i]->fixed.value_or(ThresholdScore{});
-    const double of_part[3] = {fixed.f1, fixed.precision, fixed.recall};
-    for (int k = 0; k < 3; ++k) means[k] += of_part[k] / static_cast<double>(parts.size());
+    f1.add(fixed.f1);
+    recall.add(fixed.recall);
+    if (fixed.judged > 0) precision.add(fixed.precision);
   }
-  for (std::size_t k = 0; k < 3; ++k) {
+  const Mean* const means[] = {&f1, &precision, &recall};
+  for (std::size_t k = 0; k < std::size(means); ++k) {
+    if (means[k]->count == 0) continue;
     curves.means[k].x.push_back(level);
-    curves.means[k].y.push_back(means[k]);
+    curves.means[k].y.push_back(means[k]->sum / means[k]->count);
   }
 }
 

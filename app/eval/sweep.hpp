@@ -51,7 +51,9 @@ struct SweepCurves {
   std::string x_axis;
   std::string y_axis;
   std::vector<Curve> parts;
-  std::vector<Curve> means;  // F1, precision and recall at the fixed threshold; may be empty
+  // F1, precision and recall at the fixed threshold, precision over the parts of which anything was
+  // found there: it has no value where nothing was. May be empty.
+  std::vector<Curve> means;
 };
 
 // Of each disturbance: F1 at the best threshold of each part. `undisturbed` gives the first level.

@@ -93,7 +93,8 @@ std::string sweep_section_html(const std::vector<SweepCurves>& curves, double no
   std::string out =
       "<h2>How scores fall</h2>\n<p class='lead'>F1 of each part at its best threshold over frames "
       "made worse in memory, the same way in every run, and beside it the means over the parts at "
-      "the fixed threshold. Noise comes in blocks of 2x2 px and grows with the square of the "
+      "the fixed threshold, precision over those of which anything is found. Noise comes in blocks "
+      "of 2x2 px and grows with the square of the "
       "distance" +
       std::string(noise_mm > 0 ? "; " + noise_text(noise_mm) : "") +
       ". Missing depth comes in round blobs. Light is shading computed from the measured normals, "

@@ -163,6 +163,21 @@ TEST(SweepCurves, ShowF1OverTheThresholdFromTheRunAlone) {
   EXPECT_NEAR(c.parts[0].y[1], 2.0 / 3, 1e-9);
 }
 
+// A part of which nothing is found says nothing about precision, but counts for recall.
+TEST(SweepCurves, MeanPrecisionIsOverPartsOfWhichAnythingIsFound) {
+  ScoreReport score;
+  score.parts = {part(), part()};
+  score.parts[0].fixed->judged = 10;
+  score.parts[1].fixed = ThresholdScore{0, 0, 0, 0.5, 0};
+  const Sweep sweep({Disturbance::kMissing});  // nothing was found at any level beyond the first
+  const SweepCurves c = score_sweep(sweep, score, {}, {}).at(0);
+  ASSERT_EQ(c.means.size(), 3U);
+  EXPECT_DOUBLE_EQ(c.means[0].y.front(), 0.35);
+  EXPECT_THAT(c.means[1].x, ElementsAre(0));
+  EXPECT_THAT(c.means[1].y, ElementsAre(0.9));
+  EXPECT_DOUBLE_EQ(c.means[2].y.front(), 0.3);
+}
+
 TEST(SweepCurves, ShowWhatIsFoundByVisibility) {
   ScoreReport score;
   score.parts = {part()};
