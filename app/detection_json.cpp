@@ -2,7 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
-#include <numbers>
+
+#include "binpick/geometry/angle.hpp"
 
 namespace binpick::app {
 namespace {
@@ -18,12 +19,11 @@ ordered_json matrix_rows(const Pose& T) {
 
 // Of the part's centre, in camera axes.
 ordered_json to_json(const PoseUncertainty& u) {
-  constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
   const auto axis = [](const Vec3& v) { return ordered_json{v.x(), v.y(), v.z()}; };
   return {{"shift_mm", u.weak_shift_mm},
           {"shift_axis", axis(u.weak_shift)},
           {"shift_observable", u.shift_observable},
-          {"turn_deg", u.weak_turn_rad * kDegreesPerRadian},
+          {"turn_deg", u.weak_turn_rad / kDegree},
           {"turn_axis", axis(u.weak_turn)},
           {"turn_observable", u.turn_observable},
           {"covariance_rad_mm", u.covariance}};

@@ -2,8 +2,8 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "detection_json.hpp"
 #include "overlay/overlay.hpp"
 #include "replace_file.hpp"
@@ -96,7 +96,7 @@ void print_report(const DetectRun& run, const DetectionReport& report) {
         number++, run.files[static_cast<std::size_t>(d.model_index)].name().c_str(), d.score, t.x(),
         t.y(), t.z(), q[0], q[1], q[2], q[3], d.visible_fraction, d.depth_support,
         d.contour_support, d.depth_residual_mm, held(u.weak_shift_mm, u.shift_observable).c_str(),
-        held(u.weak_turn_rad * 180 / std::numbers::pi, u.turn_observable).c_str());
+        held(u.weak_turn_rad / kDegree, u.turn_observable).c_str());
   }
   print_times(report);
 }

@@ -3,9 +3,9 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
-#include <numbers>
 #include <thread>
 
+#include "binpick/geometry/angle.hpp"
 #include "cli/commands.hpp"
 #include "cli/number_between.hpp"
 #include "clock.hpp"
@@ -138,9 +138,8 @@ int run(PlcArguments& arguments) {
     // What a person types are angles, whatever goes over the wire.
     const auto convention =
         modbus::is_quaternion(rotation) ? map::RotationConvention::kKukaAbc : rotation;
-    constexpr double kRad = std::numbers::pi / 180;
     command.T_base_flange =
-        Pose{modbus::rotation_of({f[3] * kRad, f[4] * kRad, f[5] * kRad}, convention),
+        Pose{modbus::rotation_of({f[3] * kDegree, f[4] * kDegree, f[5] * kDegree}, convention),
              {f[0], f[1], f[2]}};
   }
   if (arguments.watch) return watch(session, arguments);

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
+
+#include "binpick/geometry/angle.hpp"
 
 namespace binpick::app {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 Vec3 point_in_cad(const ObjectModel& model, const float (&point_mm)[3]) {
   return vector_of(point_mm) + model.centre_mm();
@@ -59,8 +58,8 @@ std::vector<FoldAxis> fold_axes(const ObjectModel& model) {
   std::vector<FoldAxis> axes;
   for (const SymmetryTurn& t : model.symmetry().exact_turns) {
     const Vec3 axis = vector_of(t.axis);
-    const int fold = static_cast<int>(
-        std::lround(2 * std::numbers::pi / std::abs(static_cast<double>(t.angle_rad))));
+    const int fold =
+        static_cast<int>(std::lround(2 * kPi / std::abs(static_cast<double>(t.angle_rad))));
     const auto known = std::find_if(axes.begin(), axes.end(), [&](const FoldAxis& a) {
       return std::abs(a.axis.dot(axis)) > std::cos(1 * kDegree);
     });

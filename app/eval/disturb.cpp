@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
+
+#include "binpick/geometry/angle.hpp"
 
 namespace binpick::app {
 namespace {
@@ -18,16 +19,13 @@ constexpr double kAmbient = 0.35;  // of the light, from all sides
 constexpr int kNormalStepPx = 3;
 constexpr double kShadeMax = 4;
 constexpr int kRimPx = 128;  // around the ROI, beyond what the detector looks at
-constexpr double kDegree = std::numbers::pi / 180;
 
 // The same on every machine, which std::normal_distribution is not.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : bits_(seed * 0x9e3779b97f4a7c15 + 1) {}
   double uniform() { return (static_cast<double>(bits_() >> 11) + 0.5) / 9007199254740992.0; }
-  double gauss() {
-    return std::sqrt(-2 * std::log(uniform())) * std::cos(2 * std::numbers::pi * uniform());
-  }
+  double gauss() { return std::sqrt(-2 * std::log(uniform())) * std::cos(2 * kPi * uniform()); }
   int between(int first, int last) {
     return first + static_cast<int>(uniform() * (last - first + 1));
   }
@@ -119,7 +117,7 @@ void relight(LoadedFrame& frame, double angle_deg, std::uint64_t seed) {
   // What is lit how is told by the depth.
   if (frame.intensity.empty() || frame.depth_mm.empty() || angle_deg == 0) return;
   Random random(seed);
-  const double azimuth = 2 * std::numbers::pi * random.uniform(), angle = angle_deg * kDegree;
+  const double azimuth = 2 * kPi * random.uniform(), angle = angle_deg * kDegree;
   const Vec3 light(std::sin(angle) * std::cos(azimuth), std::sin(angle) * std::sin(azimuth),
                    -std::cos(angle));
   const auto shade = [](const Vec3& n, const Vec3& from) {
@@ -204,7 +202,7 @@ void disturb(LoadedFrame& frame, Disturbance what, double level, std::uint64_t s
       frame.camera.fy *= 1 + level / 100;
       return;
     case Disturbance::kCentre: {
-      const double angle = 2 * std::numbers::pi * Random(seed).uniform();
+      const double angle = 2 * kPi * Random(seed).uniform();
       frame.camera.cx += level * std::cos(angle);
       frame.camera.cy += level * std::sin(angle);
       return;

@@ -1,6 +1,6 @@
 #include "eval/oracle_run.hpp"
 
-#include <numbers>
+#include "binpick/geometry/angle.hpp"
 
 namespace binpick::app {
 namespace {
@@ -60,7 +60,7 @@ void run_oracle(const OracleRequest& request, const CameraGroup& group, const Mo
                 std::vector<std::string>& faults) {
   ReferenceLimits limits;
   limits.position_mm = request.options.limits.mm;
-  limits.angle_rad = request.options.limits.deg * std::numbers::pi / 180;
+  limits.angle_rad = request.options.limits.deg * kDegree;
   PoseComparer comparer;
   const auto look = [&](const FrameVisit& visit) -> Result<int> {
     const std::vector<Target> targets = targets_of(request, models, visit.wanted);

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <set>
+
+#include "binpick/geometry/angle.hpp"
 
 namespace binpick::app {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kSurfacePoints = 500;
 constexpr int kOuterDirections = 600;
 constexpr int kContinuousSteps = 180;

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 
 #include "binpick/base/assert.hpp"
+#include "binpick/geometry/angle.hpp"
 #include "modbus/registers.hpp"
 #include "modbus/rotation.hpp"
 
@@ -22,7 +22,7 @@ double lengths_per_mm(map::LengthUnit unit) {
 }
 
 double angles_per_rad(map::AngleUnit unit) {
-  return unit == map::AngleUnit::kDeg1e4 ? 180 / std::numbers::pi * 1e4 : 1e6;
+  return unit == map::AngleUnit::kDeg1e4 ? 1 / kDegree * 1e4 : 1e6;
 }
 
 template <std::size_t n>

@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
+
+#include "binpick/geometry/angle.hpp"
 
 namespace binpick::simulation {
 namespace {
@@ -122,7 +123,7 @@ ConvexPiece thinned(const std::vector<Vector3d>& points, int corners_max) {
   std::vector<bool> kept(corners.size(), false);
   for (int k = 0; k < corners_max; ++k) {  // the extreme points of evenly spread directions
     const double z = 1 - 2 * (k + 0.5) / corners_max;
-    const double turn = std::numbers::pi * (1 + std::sqrt(5.0)) * k;
+    const double turn = kPi * (1 + std::sqrt(5.0)) * k;
     const double r = std::sqrt(1 - z * z);
     const Vector3d direction(r * std::cos(turn), r * std::sin(turn), z);
     std::size_t best = 0;

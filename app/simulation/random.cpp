@@ -1,7 +1,8 @@
 #include "simulation/random.hpp"
 
 #include <cmath>
-#include <numbers>
+
+#include "binpick/geometry/angle.hpp"
 
 namespace binpick::simulation {
 namespace {
@@ -40,7 +41,7 @@ double Rng::uniform() {
 
 double Rng::normal() {
   const double radius = std::sqrt(-2 * std::log(1.0 - uniform()));
-  return radius * std::cos(2 * std::numbers::pi * uniform());
+  return radius * std::cos(2 * kPi * uniform());
 }
 
 float value_noise(const Eigen::Vector3f& p, std::uint32_t seed) {

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "binpick/geometry/angle.hpp"
 
 namespace binpick::simulation {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kFloorThickness = 4;
 
 void add_box(TriangleMesh& mesh, const Vec3& min, const Vec3& max) {

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
+
+#include "binpick/geometry/angle.hpp"
 
 namespace binpick::simulation {
 namespace {
 
 using Eigen::Vector3f;
-constexpr double kPi = std::numbers::pi;
 const Vec3 kProjectorOffset(58, -42, 4);  // beside the gray camera, in its axes
 constexpr double kTexelBiasMm = 0.7;
 

@@ -5,8 +5,9 @@
 #include <cstdint>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <utility>
+
+#include "binpick/geometry/angle.hpp"
 
 namespace binpick::simulation {
 namespace {
@@ -169,7 +170,7 @@ double winding_number(const TriangleMesh& mesh, const Eigen::Vector3d& point) {
     const double below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
     angle += 2 * std::atan2(a.dot(b.cross(c)), below);
   }
-  return angle / (4 * std::numbers::pi);
+  return angle / (4 * kPi);
 }
 
 }  // namespace binpick::simulation

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "binpick/geometry/angle.hpp"
 #include "setup_error.hpp"
 
 namespace binpick::app {
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 Roi roi_of(const std::array<double, 4>& px) {
   return {static_cast<int>(px[0]), static_cast<int>(px[1]), static_cast<int>(px[2]),

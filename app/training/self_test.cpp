@@ -5,14 +5,13 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "eval/score.hpp"
 
 namespace binpick::app {
 namespace {
 
-constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 constexpr double kBandWidth = 0.1;
 constexpr int kBandMin = 5;  // instances that a band must have to say anything
 // Wrong poses are turned in place when their centre is this near to a part's, in diameters.
@@ -70,13 +69,13 @@ double visible_fraction_min(const std::vector<VisibilityBand>& bands) {
 void add_confusion(const Mat3& R_truth_estimate, std::vector<Confusion>& confusions) {
   const Eigen::AngleAxisd turn(R_truth_estimate);
   for (Confusion& known : confusions) {
-    const Mat3 centre = Eigen::AngleAxisd(known.angle_deg / kDegreesPerRadian, known.axis).matrix();
-    if (rotation_angle_between(centre, R_truth_estimate) * kDegreesPerRadian < kSameTurn_deg) {
+    const Mat3 centre = Eigen::AngleAxisd(known.angle_deg * kDegree, known.axis).matrix();
+    if (rotation_angle_between(centre, R_truth_estimate) / kDegree < kSameTurn_deg) {
       ++known.count;
       return;
     }
   }
-  confusions.push_back({turn.axis(), turn.angle() * kDegreesPerRadian, 1});
+  confusions.push_back({turn.axis(), turn.angle() / kDegree, 1});
 }
 
 void find_wrong(const PileTrial& trial, const PartGeometry& geometry, SelfTest& test) {

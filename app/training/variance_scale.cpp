@@ -2,7 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <numbers>
+
+#include "binpick/geometry/angle.hpp"
 
 namespace binpick::app {
 namespace {
@@ -16,7 +17,7 @@ using Vec6 = Eigen::Matrix<double, 6, 1>;
 // Turn (rad) and shift of the centre (mm), as the covariance has them.
 Vec6 centre_error(const PoseError6& error, const Pose& estimate, const Vec3& centre_mm) {
   const Vec3 shift(error[0], error[1], error[2]);
-  const Vec3 turn = Vec3(error[3], error[4], error[5]) * std::numbers::pi / 180;
+  const Vec3 turn = Vec3(error[3], error[4], error[5]) * kDegree;
   Vec6 out;
   out << turn, shift + turn.cross(estimate.R * centre_mm);
   return out;

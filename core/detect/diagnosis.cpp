@@ -1,8 +1,8 @@
 #include "binpick/detect/diagnosis.hpp"
 
 #include <algorithm>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "detect/oracle_start.hpp"
 #include "search/tree_search.hpp"
 
@@ -11,7 +11,7 @@ namespace {
 
 // Until ICP a pose has a template's errors; ICP leaves some for the last refinement.
 constexpr double kUntilIcp = 2, kAfterIcp = 1.5;
-constexpr double kUntilIcpAngleRad = 15 * std::numbers::pi / 180;
+constexpr double kUntilIcpAngleRad = 15 * kDegree;
 constexpr double kUntilIcpShare = 0.1;  // of the diameter
 
 // Notes at each checkpoint which of the known poses still have a follower.

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "pose/ray_pose.hpp"
 
 namespace binpick {
@@ -14,7 +14,7 @@ constexpr double kNearPxMin = 6;
 constexpr double kNearLevelPx = 1.5;  // of the candidate's level
 // Beyond the spacing of the tree, for what a template accepts.
 constexpr double kSpacingMargin = 1.25;
-constexpr double kSpacingSlackRad = 5 * std::numbers::pi / 180;
+constexpr double kSpacingSlackRad = 5 * kDegree;
 
 Vec2 pixel_of(const Candidate& c) {
   const double scale = 1 << c.level;
@@ -43,7 +43,7 @@ double node_radius_rad(const ObjectModel& model, int depth) {
   // A cap of the sphere with a viewpoint's share of its area, were all viewpoints there.
   const double all = 10 * std::pow(4.0, depth) + 2;  // of an icosahedron, subdivided `depth` times
   const double view = std::acos(1 - 2 / all);
-  const double roll = std::numbers::pi / d.roll_count;
+  const double roll = kPi / d.roll_count;
   return kSpacingMargin * std::hypot(view, roll) + kSpacingSlackRad;
 }
 

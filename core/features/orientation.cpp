@@ -1,6 +1,7 @@
 #include "features/orientation.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 namespace binpick {
 namespace {
@@ -29,13 +30,13 @@ void ring_bins(float p, int bins, int first, float scale, SoftBins& out) {
 
 SoftBins soft_gradient_bins(float angle_rad) {
   SoftBins out;
-  ring_bins(angle_rad * (kOrientationBins / kPi), kOrientationBins, 0, 1.0f, out);
+  ring_bins(angle_rad * kBinsPerRad, kOrientationBins, 0, 1.0f, out);
   return out;
 }
 
 SoftBins soft_normal_bins(NormalCodebook codebook, float tilt_sin, float azimuth_rad) {
   SoftBins out;
-  const float turn = azimuth_rad / (2 * kPi);
+  const float turn = azimuth_rad / (2 * std::numbers::pi_v<float>);
   if (codebook == NormalCodebook::kAzimuth) {
     if (tilt_sin >= kAzimuthTiltSinMin) ring_bins(turn * 8, 8, 0, 1.0f, out);
     return out;
@@ -52,7 +53,7 @@ SoftBins soft_normal_bins(NormalCodebook codebook, float tilt_sin, float azimuth
 
 std::uint8_t normal_bit(NormalCodebook codebook, float nx, float ny) {
   const float tilt_sin2 = nx * nx + ny * ny;
-  const float turn = std::atan2(ny, nx) / (2 * kPi);
+  const float turn = std::atan2(ny, nx) / (2 * std::numbers::pi_v<float>);
   if (codebook == NormalCodebook::kAzimuth) {
     if (tilt_sin2 < kAzimuthTiltSinMin * kAzimuthTiltSinMin) return 0;
     const int i = static_cast<int>(std::floor(turn * 8 + 0.5f)) & 7;

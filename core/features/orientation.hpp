@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include "binpick/model/normal_codebook.hpp"
 #include "simd/gradient_bit.hpp"
@@ -11,7 +12,8 @@
 namespace binpick {
 
 inline constexpr int kOrientationBins = 8;
-inline constexpr float kPi = 3.14159265358979f;
+// Of edges, which have no direction: half a turn has all bins.
+inline constexpr float kBinsPerRad = kOrientationBins / std::numbers::pi_v<float>;
 
 // Up to three bins with weights that sum to 1. count 0: no orientation.
 struct SoftBins {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 #include <cstring>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "model/model_format.hpp"
 
 namespace binpick {
@@ -96,7 +96,7 @@ bool symmetry_row_valid(const Row& row) {
 
 bool turn_valid(const SymmetryTurn& t) {
   const double angle = std::abs(static_cast<double>(t.angle_rad));
-  return symmetry_row_valid(t) && angle > 1e-3 && angle <= std::numbers::pi + 1e-6 &&
+  return symmetry_row_valid(t) && angle > 1e-3 && angle <= kPi + 1e-6 &&
          std::isfinite(t.shift_mm) && (t.kind == SymmetryKind::kNear || t.shift_mm == 0);
 }
 
@@ -239,7 +239,7 @@ Error ObjectModel::check_viewpoints(int d) const {
 }
 
 double ObjectModel::roll_rad(int d, int roll) const {
-  return (roll + 0.5) * 2 * std::numbers::pi / depths_[d].roll_count;
+  return (roll + 0.5) * 2 * kPi / depths_[d].roll_count;
 }
 
 Vec3 ObjectModel::centre_mm() const {

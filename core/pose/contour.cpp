@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "pose/view_lookup.hpp"
 
 namespace binpick {
@@ -93,7 +93,7 @@ ContourMatch match_contour(const ContourPlace& place, const Scene& scene, int ra
 }
 
 int edge_direction(const Vec2& normal) {
-  return static_cast<int>(std::atan2(normal.y(), normal.x()) * 8 / std::numbers::pi + 16.5) & 7;
+  return static_cast<int>(std::atan2(normal.y(), normal.x()) * 8 / kPi + 16.5) & 7;
 }
 
 unsigned edge_directions_near(const Vec2& normal) {

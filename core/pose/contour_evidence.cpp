@@ -4,8 +4,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "pose/directed_edge.hpp"
 #include "pose/view_lookup.hpp"
 
@@ -59,7 +59,7 @@ struct Sides {
   std::array<int, kSides> count{};
 
   void add(const Vec2& from_centre, double support) {
-    const double turn = std::atan2(from_centre.y(), from_centre.x()) / (2 * std::numbers::pi) + 0.5;
+    const double turn = std::atan2(from_centre.y(), from_centre.x()) / (2 * kPi) + 0.5;
     const auto side =
         static_cast<std::size_t>(std::clamp(static_cast<int>(turn * kSides), 0, kSides - 1));
     supported[side] += support;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "binpick/geometry/angle.hpp"
 #include "pose/pnp.hpp"
 #include "pose/view_lookup.hpp"
 
@@ -14,7 +15,7 @@ constexpr int kPointsMin = 16;
 // A leaf's pose is off by half its spacing in turn and distance: some pixels at the outline.
 constexpr int kPnpRangesPx[] = {8, 5};
 // How far PnP may go from the template's pose.
-constexpr double kTurnMax = 20 * 3.14159265358979 / 180;
+constexpr double kTurnMax = 20 * kDegree;
 constexpr double kShiftMax = 0.12;     // of the diameter, across the view
 constexpr double kDistanceMax = 0.12;  // of the distance
 // An edge's place beside the contour: noise of the image, and what shading and a rounded rim do.

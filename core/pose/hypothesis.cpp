@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "binpick/geometry/angle.hpp"
 #include "pose/contour_evidence.hpp"
 #include "pose/contour_pose.hpp"
 #include "pose/icp.hpp"
@@ -13,7 +14,6 @@
 namespace binpick {
 namespace {
 
-constexpr double kDegree = 3.14159265358979 / 180;
 // After refinement: closer than this is the same pose.
 constexpr SameLimits kSameRefined{0.015, 2.5 * kDegree};
 constexpr SameLimits kSamePick{0.05, 7.5 * kDegree};

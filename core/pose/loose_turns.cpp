@@ -5,12 +5,12 @@
 #include <array>
 #include <cmath>
 
+#include "binpick/geometry/angle.hpp"
 #include "pose/view_lookup.hpp"
 
 namespace binpick {
 namespace {
 
-constexpr double kPi = 3.14159265358979;
 // A surface is loose where it moves along its normals by less than this share of a motion (root
 // mean square).
 constexpr double kLooseShare = 0.2;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "pose/view_lookup.hpp"
 
 namespace binpick {
@@ -13,7 +13,7 @@ namespace {
 constexpr int kStepsPerTurn = 32;
 // Two moves nearer than this are one.
 constexpr double kSameMoveShare = 0.02;  // of the diameter
-constexpr double kSameMoveAngle = 4 * std::numbers::pi / 180;
+constexpr double kSameMoveAngle = 4 * kDegree;
 
 std::size_t near_max(const ObjectModel& model) {
   const PartSymmetry& s = model.symmetry();
@@ -61,8 +61,7 @@ PartMoves::PartMoves(const ObjectModel& model, Arena& arena)
   for (const SymmetryTurn& t : symmetry.near_turns) add(move_of(t));
   turn_count_ = count;
   for (const SymmetryAxis& a : symmetry.near_axes) {
-    for (int i = 1; i < kStepsPerTurn; ++i)
-      add(move_about(a, i * 2 * std::numbers::pi / kStepsPerTurn));
+    for (int i = 1; i < kStepsPerTurn; ++i) add(move_about(a, i * 2 * kPi / kStepsPerTurn));
   }
   near_ = near_.first(count);
 }

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "pose/contour_evidence.hpp"
 #include "pose/icp.hpp"
 #include "pose/ray_pose.hpp"
@@ -18,7 +18,7 @@ constexpr double kLeafErrorShare = 0.04;  // of the diameter
 // Support counts fully once this share of the surface is measured and not hidden.
 constexpr double kSeenEnough = 0.3;
 // Candidates nearer to each other than this are one: half a leaf's spacing.
-constexpr SameLimits kSameLeaf{0.03, 5 * std::numbers::pi / 180};
+constexpr SameLimits kSameLeaf{0.03, 5 * kDegree};
 // To a part that shows well hundreds of neighbouring templates fit. The last part of the room is
 // for places that have few candidates so far, of parts that show less.
 constexpr double kByRankShare = 0.75;

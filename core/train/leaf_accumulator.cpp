@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "binpick/train/errors.hpp"
 #include "train/random.hpp"
 
@@ -60,8 +60,8 @@ RollBlocks make_roll_blocks(const TrainOptions& options, int leaf_roll_count) {
 }
 
 int sample_pool_size(const TrainOptions& options) {
-  const double side = 2 * options.tilt_jitter_deg * std::numbers::pi / 180;
-  const double share = side * side / (4 * std::numbers::pi);
+  const double side = 2 * options.tilt_jitter_deg * kDegree;
+  const double share = side * side / (4 * kPi);
   return static_cast<int>(std::clamp(
       std::min<double>(options.samples, kRenderingsPerViewpoint) / share, 200.0, 40000.0));
 }
@@ -114,7 +114,7 @@ void LeafAccumulator::fill_block(int block) {
   for (int k = 0; k < blocks_.samples_per_block; ++k) {
     const std::size_t pick =
         static_cast<std::size_t>(wrapped * blocks_.samples_per_block + k) % near_.size();
-    const double roll = (wrapped + rng.uniform()) * 2 * std::numbers::pi / blocks_.count;
+    const double roll = (wrapped + rng.uniform()) * 2 * kPi / blocks_.count;
     splat(near_[pick], static_cast<float>(roll), static_cast<int>(rng.next() % kSurfaceStride),
           slot);
   }
@@ -136,7 +136,7 @@ void LeafAccumulator::splat(const AlignedSample& aligned, float roll_rad, int su
     if (x >= size || y >= size) continue;
     row_first = std::min(row_first, y);
     row_last = std::max(row_last, y);
-    const float position = (p.angle_rad + turn) * (kOrientationBins / kPi) + 64;
+    const float position = (p.angle_rad + turn) * kBinsPerRad + 64;
     const int bin = static_cast<int>(position);
     add_split_vote(out.gradient.cell(static_cast<int>(x), static_cast<int>(y)), bin & 7,
                    (bin + 1) & 7, position - static_cast<float>(bin), kContourVote);

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "binpick/model/object_model.hpp"
 #include "train/icosphere.hpp"
 #include "train/view_reduction.hpp"
@@ -22,7 +22,7 @@ std::vector<std::vector<char>> wanted_vertices(const Icosphere& sphere,
   // Half the spacing of the leaves is added, so that every pose inside the limit has a leaf near
   // it.
   const double spacing_deg = 63.4 / (1 << (depths - 1));
-  const double limit_rad = std::min(180.0, tilt_max_deg + spacing_deg / 2) * std::numbers::pi / 180;
+  const double limit_rad = std::min(180.0, tilt_max_deg + spacing_deg / 2) * kDegree;
   std::vector<int> within;
   std::vector<Vec3> directions;
   for (int v = 0; v < sphere.counts.back(); ++v) {
@@ -65,7 +65,7 @@ int leaf_distance_count(const TrainOptions& options) {
 }  // namespace
 
 double roll_centre_rad(int roll, int roll_count) {
-  return (roll + 0.5) * 2 * std::numbers::pi / roll_count;
+  return (roll + 0.5) * 2 * kPi / roll_count;
 }
 
 Mat3 rotation_z(double angle_rad) {

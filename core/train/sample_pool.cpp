@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <random>
 
+#include "binpick/geometry/angle.hpp"
 #include "binpick/train/errors.hpp"
 #include "features/surface_slope.hpp"
 #include "train/random.hpp"
@@ -20,7 +20,6 @@ constexpr double kDiameterPxMin = 12;
 // Narrower than this at the top of the pyramid, a part has no shape left: the scan starts one depth
 // further down. (Not further: the cost of a scan grows sixteenfold per depth.)
 constexpr double kScanWidthPxMin = 10;
-constexpr double kDegree = std::numbers::pi / 180;
 // Faces that meet at more than this angle show as an edge in the intensity image.
 const float kCreaseStep = 2 * std::sin(17.5f * static_cast<float>(kDegree));
 
@@ -50,7 +49,7 @@ bool crease_angle(const RenderedView& view, int x, int y, float& angle_rad) {
 
 // No rendering farther than this from a viewpoint lies within its jitter, a square of tilts.
 double reach_cos(double tilt_jitter_deg) {
-  return std::cos(std::min(1.5 * tilt_jitter_deg * kDegree, std::numbers::pi));
+  return std::cos(std::min(1.5 * tilt_jitter_deg * kDegree, kPi));
 }
 
 void thin_surface(int first, RenderedSample& sample) {
@@ -153,7 +152,7 @@ std::vector<RenderedSample> make_sample_pool(const Mesh& centred_mesh, const Tra
   std::vector<RenderedSample> samples;
   for (int i = 0; i < count; ++i) {
     const double z = 1 - (2.0 * order[i] + 1) / count;
-    const double turn = order[i] * std::numbers::pi * (3 - std::sqrt(5.0));
+    const double turn = order[i] * kPi * (3 - std::sqrt(5.0));
     const double r = std::sqrt(std::max(0.0, 1 - z * z));
     if (z < std::cos(tilt_limit) - 1e-12) continue;
     RenderedSample s;

@@ -4,15 +4,14 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <span>
 
+#include "binpick/geometry/angle.hpp"
 #include "pose/normal_equations.hpp"
 
 namespace binpick::train {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kPoints = 6000;       // of the whole part, for the last judgement
 constexpr int kFitPoints = 2000;    // for shares
 constexpr int kRoughPoints = 200;   // for the search
@@ -218,12 +217,11 @@ std::vector<Pose> SelfMatcher::candidates() const {
     all.push_back(r);
   };
   for (const Vec3& axis : special_axes_) {
-    for (double a = 2 * kSpecialAngleStep; a < std::numbers::pi + 1e-9; a += kSpecialAngleStep)
-      add(axis, a);
+    for (double a = 2 * kSpecialAngleStep; a < kPi + 1e-9; a += kSpecialAngleStep) add(axis, a);
   }
   for (const Vec3& axis : even_directions(kDirections)) {
     if (axis.z() < 0) continue;
-    for (double a = kAnyAngleStep; a < std::numbers::pi + 1e-9; a += kAnyAngleStep) add(axis, a);
+    for (double a = kAnyAngleStep; a < kPi + 1e-9; a += kAnyAngleStep) add(axis, a);
   }
   std::stable_sort(all.begin(), all.end(),
                    [](const Rough& a, const Rough& b) { return a.score > b.score; });

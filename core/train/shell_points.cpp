@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "train/random.hpp"
 
 namespace binpick::train {
@@ -37,7 +38,7 @@ std::vector<Vec3> even_directions(int count) {
   std::vector<Vec3> directions;
   for (int i = 0; i < count; ++i) {
     const double z = 1 - (2.0 * i + 1) / count;
-    const double turn = i * std::numbers::pi * (3 - std::sqrt(5.0));
+    const double turn = i * kPi * (3 - std::sqrt(5.0));
     const double r = std::sqrt(std::max(0.0, 1 - z * z));
     directions.emplace_back(r * std::cos(turn), r * std::sin(turn), z);
   }

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "train/screw.hpp"
 #include "train/self_match.hpp"
 
 namespace binpick::train {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 // Of the depth error that verification reckons with, half is random: see Scene.
 constexpr double kRandomErrorPx = 0.5, kWholeErrorPx = 1.1;
 constexpr double kTwentyCorners = 0.0062;  // (1 - cos 9 deg) / 2
@@ -216,12 +215,11 @@ class Finder {
       s.shift_mm = 0;
       int fold = 1;
       for (int n = 2; n <= static_cast<int>(kExactTurnsMax) && fold == 1; ++n) {
-        const double turns = s.angle_rad * n / (2 * std::numbers::pi);
-        if (std::abs(turns - std::round(turns)) * 2 * std::numbers::pi / n < 0.5 * kDegree)
-          fold = n;
+        const double turns = s.angle_rad * n / (2 * kPi);
+        if (std::abs(turns - std::round(turns)) * 2 * kPi / n < 0.5 * kDegree) fold = n;
       }
       if (fold > 1) {
-        const double part = 2 * std::numbers::pi / fold;
+        const double part = 2 * kPi / fold;
         s.angle_rad = part * std::round(s.angle_rad / part);
       }
       s = snapped(s, allowed);
@@ -332,7 +330,7 @@ class Finder {
     std::copy_n(axis.axis, 3, row.axis);
     std::copy_n(axis.point_mm, 3, row.point_mm);
     const double sign = sign_of(s.axis);
-    const bool half_turn = s.angle_rad > std::numbers::pi - 5e-3;
+    const bool half_turn = s.angle_rad > kPi - 5e-3;
     row.angle_rad = static_cast<float>(half_turn ? s.angle_rad : sign * s.angle_rad);
     row.shift_mm = static_cast<float>(sign * s.shift_mm);
     row.differing_share = axis.differing_share;

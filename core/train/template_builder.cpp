@@ -5,7 +5,6 @@
 #include <cmath>
 #include <memory>
 #include <mutex>
-#include <numbers>
 
 #include "train/leaf_accumulator.hpp"
 

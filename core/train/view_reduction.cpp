@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "train/shell_points.hpp"
 
 namespace binpick::train {
@@ -55,7 +55,7 @@ std::vector<char> needed_viewpoints(const std::vector<Vec3>& viewpoints, double 
   if (orbits.turns.size() == 1 && orbits.axes.empty())
     return std::vector<char>(viewpoints.size(), 1);
   std::vector<char> needed(viewpoints.size(), 0);
-  const double limit = std::cos(std::min(180.0, tilt_max_deg) * std::numbers::pi / 180) - 1e-12;
+  const double limit = std::cos(std::min(180.0, tilt_max_deg) * kDegree) - 1e-12;
   for (const Vec3& direction :
        even_directions(kDirectionsPerViewpoint * static_cast<int>(viewpoints.size()))) {
     if (direction.z() < limit) continue;

@@ -3,14 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "eval/assignment.hpp"
 
 namespace binpick::app {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 // A box with one corner pulled out, so that it has no symmetry of its own.
 train::Mesh lopsided_box() {
@@ -32,7 +30,7 @@ train::Mesh lopsided_box() {
 }
 
 Pose half_turn_about_z() {
-  return {rotation_from_vector({0, 0, std::numbers::pi}), Vec3::Zero()};
+  return {rotation_from_vector({0, 0, kPi}), Vec3::Zero()};
 }
 
 drivers::BopModel plain_model() {

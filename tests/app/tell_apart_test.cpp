@@ -3,19 +3,19 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <random>
+
+#include "binpick/geometry/angle.hpp"
 
 namespace binpick::app {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 const CameraIntrinsics kCamera{320, 240, 800, 800, 159.5, 119.5};
 
 void add_prism(train::Mesh& mesh, int sides, double radius, double z0, double z1) {
   const auto base = static_cast<std::uint32_t>(mesh.vertices_mm.size());
   for (int i = 0; i < sides; ++i) {
-    const double a = 2 * std::numbers::pi * i / sides;
+    const double a = 2 * kPi * i / sides;
     for (const double z : {z0, z1})
       mesh.vertices_mm.push_back(Vec3(radius * std::cos(a), radius * std::sin(a), z).cast<float>());
   }
@@ -68,7 +68,7 @@ Depth measured(const train::Mesh& mesh, const Pose& T, int hidden_above_row = 0)
 
 // On its side, the head towards the top of the image, rolled about its own axis.
 Pose lying(double roll_deg) {
-  return {rotation_from_vector(Vec3(-std::numbers::pi / 2, 0, 0)) *
+  return {rotation_from_vector(Vec3(-kPi / 2, 0, 0)) *
               rotation_from_vector(Vec3(0, 0, roll_deg * kDegree)),
           Vec3(0, 0, 450)};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "binpick/geometry/angle.hpp"
 #include "binpick/train/renderer.hpp"
 #include "binpick/train/trainer.hpp"
 #include "threads_per_call.hpp"
@@ -32,7 +33,7 @@ void add_boss(Mesh& mesh, float x, float y, float z_low, float z_high, float rad
   const auto first = static_cast<std::uint32_t>(mesh.vertices_mm.size());
   mesh.vertices_mm.push_back({x, y, z_high});
   for (std::uint32_t i = 0; i < kSides; ++i) {
-    const float a = 2 * static_cast<float>(M_PI) * static_cast<float>(i) / kSides;
+    const float a = 2 * static_cast<float>(kPi) * static_cast<float>(i) / kSides;
     mesh.vertices_mm.push_back({x + radius * std::cos(a), y + radius * std::sin(a), z_low});
     mesh.vertices_mm.push_back({x + radius * std::cos(a), y + radius * std::sin(a), z_high});
   }
@@ -117,7 +118,7 @@ std::vector<std::uint8_t> tiny_model_bytes() {
 
 Pose bracket_pose(double tilt_deg, double azimuth_deg, double roll_deg, const Vec3& t_mm) {
   const double a = azimuth_deg * kDegree;
-  const Mat3 facing = rotation_from_vector({M_PI, 0, 0});  // +z of the part towards the camera
+  const Mat3 facing = rotation_from_vector({kPi, 0, 0});  // +z of the part towards the camera
   const Mat3 tilt = rotation_from_vector(tilt_deg * kDegree * Vec3(std::cos(a), std::sin(a), 0));
   return {rotation_from_vector({0, 0, roll_deg * kDegree}) * facing * tilt, t_mm};
 }

@@ -8,12 +8,11 @@
 #include <vector>
 
 #include "binpick/frame/frame.hpp"
+#include "binpick/geometry/angle.hpp"
 #include "binpick/model/object_model.hpp"
 #include "binpick/train/mesh.hpp"
 
 namespace binpick {
-
-inline constexpr double kDegree = 3.14159265358979323846 / 180;
 
 train::Mesh bracket_mesh();
 train::ImportedMesh bracket_part();

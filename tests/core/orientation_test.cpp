@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <bit>
 #include <map>
-#include <numbers>
+
+#include "binpick/geometry/angle.hpp"
 
 namespace binpick {
 namespace {
@@ -18,11 +19,11 @@ int bin_of(std::uint8_t bit) {
 }
 
 float radians(double degrees) {
-  return static_cast<float>(degrees * std::numbers::pi / 180);
+  return static_cast<float>(degrees * kDegree);
 }
 
 std::uint8_t gradient_bit_at(double degrees) {
-  const double a = degrees * std::numbers::pi / 180;
+  const double a = degrees * kDegree;
   return gradient_bit(static_cast<std::int32_t>(std::lround(60000 * std::cos(a))),
                       static_cast<std::int32_t>(std::lround(60000 * std::sin(a))));
 }

@@ -7,11 +7,12 @@
 #include <random>
 #include <vector>
 
+#include "binpick/geometry/angle.hpp"
+
 namespace binpick {
 namespace {
 
 const CameraIntrinsics kCamera{640, 480, 800, 800, 319.5, 239.5};
-constexpr double kDegree = M_PI / 180;
 constexpr double kDiameter_mm = 80;
 constexpr int kTrials = 200;
 
@@ -39,7 +40,7 @@ std::vector<Correspondence> exact_points(const Pose& T, int count, bool with_nor
   std::vector<Correspondence> out;
   for (int i = 0; i < count; ++i) {
     const Vec3 point = kDiameter_mm * 0.6 * Vec3(uniform(random), uniform(random), uniform(random));
-    const double turn = 2 * M_PI * uniform(random);
+    const double turn = 2 * kPi * uniform(random);
     const Vec2 normal(std::cos(turn), std::sin(turn));
     out.push_back({point, kCamera.project(T * point), with_normals ? normal : Vec2(0, 0), 1});
   }

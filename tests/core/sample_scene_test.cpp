@@ -12,13 +12,14 @@
 
 #include "binpick/detect/detector.hpp"
 #include "binpick/drivers/bop_truth.hpp"
+#include "binpick/geometry/angle.hpp"
 #include "binpick/train/trainer.hpp"
 #include "threads_per_call.hpp"
 
 namespace binpick {
 namespace {
 
-constexpr double kAngleLimit_rad = 7.5 * M_PI / 180, kShiftLimit_mm = 5;
+constexpr double kAngleLimit_rad = 7.5 * kDegree, kShiftLimit_mm = 5;
 
 // Where the measured surfaces inside the region lie, but for one pixel in a hundred at either end.
 std::pair<double, double> distance_range_mm(const Frame& frame) {

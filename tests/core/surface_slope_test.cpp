@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "binpick/geometry/angle.hpp"
+
 namespace binpick {
 namespace {
 
@@ -37,7 +39,7 @@ Vec3 in_ray_frame(const CameraIntrinsics& camera, const Vec3& normal, int x, int
 double angle_deg(const RayNormal& n, const Vec3& expected) {
   const double x = static_cast<double>(n.x), y = static_cast<double>(n.y);
   const Vec3 found(x, y, -std::sqrt(std::max(0.0, 1 - x * x - y * y)));
-  return std::acos(std::min(1.0, found.dot(expected))) * 180 / M_PI;
+  return std::acos(std::min(1.0, found.dot(expected))) / kDegree;
 }
 
 // A step between two areas; where(x, y) is true on the near one.
@@ -152,7 +154,7 @@ TEST(DepthStep, NeedsMoreThanTheStatedShareOfTheDepth) {
 TEST(DepthStep, IsNoSteepSlope) {
   const CameraIntrinsics camera{kSize, kSize, 900, 900, 20, 20};
   for (const double degrees : {45.0, 60.0, 70.0}) {
-    const double a = degrees * M_PI / 180;
+    const double a = degrees * kDegree;
     const DepthImage image = plane(camera, {std::sin(a), 0, -std::cos(a)}, 20, 20, 600);
     for (int x = 1; x + 1 < kSize; ++x) EXPECT_FALSE(depth_step(image.view(), x, 20).edge);
   }

@@ -4,9 +4,9 @@
 
 #include <cmath>
 #include <iterator>
-#include <numbers>
 #include <random>
 
+#include "binpick/geometry/angle.hpp"
 #include "modbus/encoding.hpp"
 
 namespace binpick::modbus {
@@ -14,7 +14,7 @@ namespace {
 
 using map::RotationConvention;
 
-constexpr double kRad = std::numbers::pi / 180;
+constexpr double kRad = kDegree;
 
 Mat3 matrix(std::initializer_list<double> rows) {
   Mat3 R;
@@ -99,7 +99,7 @@ TEST(Rotation, EveryConventionGivesBackEveryRotation) {
       if (i % 5 == 0) {
         R = Mat3::Identity();
         for (int bits = i / 5, k = 0; k < 4; ++k, bits /= 3) {
-          R *= Mat3(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::Unit(bits % 3)));
+          R *= Mat3(Eigen::AngleAxisd(kPi / 2, Vec3::Unit(bits % 3)));
         }
       }
       const Mat3 back = is_quaternion(convention)

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <string>
 
+#include "binpick/geometry/angle.hpp"
 #include "train/leaf_accumulator.hpp"
 #include "train/template_features.hpp"
 #include "train/toy_part.hpp"
@@ -96,7 +97,7 @@ TEST(LeafAccumulator, SpreadsAnEdgeOverTheBinsThatItsRollJitterReaches) {
   RenderedSample sample = sample_from_the_front();
   // At the centre, where a roll does not move it; in the middle of bin 5 at the roll's own angle.
   // Twice, because of two neighbours one votes for both.
-  const double bin = M_PI / kOrientationBins;
+  const double bin = kPi / kOrientationBins;
   const auto angle = static_cast<float>(5 * bin - roll_centre_rad(roll, rolls));
   sample.contour.assign(2, {0, 0, angle});
   const LeafHistograms h = accumulate({sample}, options, rolls, roll);

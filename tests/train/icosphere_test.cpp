@@ -7,11 +7,13 @@
 #include <cmath>
 #include <set>
 
+#include "binpick/geometry/angle.hpp"
+
 namespace binpick::train {
 namespace {
 
 constexpr int kSubdivisions = 4;
-constexpr double kRadToDeg = 180 / M_PI;
+constexpr double kRadToDeg = 1 / kDegree;
 
 double angle_deg(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * kRadToDeg;

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <cstdio>
 
+#include "binpick/geometry/angle.hpp"
 #include "train/toy_part.hpp"
 
 namespace binpick::train {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
 // No direction is farther than this from a vertex of the sphere with 642 vertices.
 constexpr double kViewpointReach_deg = 5.4;
 
@@ -22,13 +22,13 @@ double angle_deg(const Vec3& a, const Vec3& b) {
 
 Vec3 random_direction(std::mt19937_64& engine, double tilt_max_deg) {
   const double z = uniform(engine, std::cos(tilt_max_deg * kDegree), 1);
-  const double turn = uniform(engine, 0, 2 * M_PI), r = std::sqrt(std::max(0.0, 1 - z * z));
+  const double turn = uniform(engine, 0, 2 * kPi), r = std::sqrt(std::max(0.0, 1 - z * z));
   return {r * std::cos(turn), r * std::sin(turn), z};
 }
 
 // A camera that looks at the object from `direction`, with any roll.
 Mat3 random_rotation(std::mt19937_64& engine, const Vec3& direction_obj) {
-  return rotation_z(uniform(engine, 0, 2 * M_PI)) * rotation_between(direction_obj, -Vec3::UnitZ());
+  return rotation_z(uniform(engine, 0, 2 * kPi)) * rotation_between(direction_obj, -Vec3::UnitZ());
 }
 
 const TreeViewpoint& nearest_leaf(const PoseTree& tree, const Vec3& direction_obj) {
@@ -103,7 +103,7 @@ TEST(PoseTree, NestsTheRollsOfChildrenInTheirParents) {
   const PoseTree tree = make_pose_tree(toy_options());
   for (std::size_t d = 0; d + 1 < tree.depths.size(); ++d) {
     const int rolls = tree.depths[d].roll_count;
-    const double half = M_PI / rolls;
+    const double half = kPi / rolls;
     for (int r = 0; r < rolls; ++r) {
       const double centre = roll_centre_rad(r, rolls);
       const double first = roll_centre_rad(2 * r, 2 * rolls);

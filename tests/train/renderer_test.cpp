@@ -9,6 +9,7 @@
 #include <optional>
 #include <thread>
 
+#include "binpick/geometry/angle.hpp"
 #include "binpick/train/errors.hpp"
 
 namespace binpick::train {
@@ -39,7 +40,7 @@ Mesh sphere(double radius_mm, unsigned steps) {
   Mesh mesh;
   for (unsigned i = 0; i <= steps; ++i) {
     for (unsigned j = 0; j < steps; ++j) {
-      const double polar = M_PI * i / steps, around = 2 * M_PI * j / steps;
+      const double polar = kPi * i / steps, around = 2 * kPi * j / steps;
       const Vec3 x(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around),
                    std::cos(polar));
       mesh.vertices_mm.push_back((radius_mm * x).cast<float>());
@@ -211,7 +212,7 @@ TEST(Renderer, TurnsNormalsToTheCameraWhateverTheWinding) {
 TEST(Renderer, CutsAPlaneThatRunsThroughTheCamera) {
   // A floor 100 mm below the camera, from 3 m behind it to 3 m ahead.
   Renderer renderer(rectangle(3000, 3000), 160, 120);
-  const Pose floor{rotation_from_vector({M_PI / 2, 0, 0}), {0, 100, 0}};
+  const Pose floor{rotation_from_vector({kPi / 2, 0, 0}), {0, 100, 0}};
   const CameraIntrinsics camera{160, 120, 100, 100, 80, 40};
   RenderedView view;
   renderer.render(camera, floor, view);

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <string>
 
+#include "binpick/geometry/angle.hpp"
 #include "features/orientation.hpp"
 #include "train/leaf_accumulator.hpp"
 #include "train/template_builder.hpp"
@@ -14,7 +15,6 @@
 namespace binpick::train {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
 constexpr int kBruteForceSamples = 300;
 
 // Exact histograms, as shares of the samples.

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cmath>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "train/toy_part.hpp"
 
 namespace binpick::train {
@@ -16,7 +16,7 @@ inline void add_turned(Mesh& mesh, const std::vector<Vec2>& profile, int sides,
   const auto n = static_cast<std::uint32_t>(sides);
   for (const Vec2& p : profile) {
     for (int k = 0; k < sides; ++k) {
-      const double a = begin_rad + 2 * std::numbers::pi * k / sides;
+      const double a = begin_rad + 2 * kPi * k / sides;
       mesh.vertices_mm.push_back(
           Vec3(p.x() * std::cos(a), p.x() * std::sin(a), p.y()).cast<float>());
     }

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "binpick/drivers/bop_dataset.hpp"
+#include "binpick/geometry/angle.hpp"
 #include "train/screw.hpp"
 #include "train/symmetry_parts.hpp"
 
@@ -15,7 +16,6 @@ namespace binpick::train {
 namespace {
 
 const Vec3 kAxes[] = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
-constexpr double kDegree = std::numbers::pi / 180;
 
 struct Found {
   std::vector<Pose> exact, near;
@@ -98,7 +98,7 @@ TEST(Symmetry, OfAConeIsAnAxisAlone) {
 TEST(Symmetry, OfABallIsAnyTurn) {
   std::vector<Vec2> profile;
   for (int i = 1; i < 32; ++i) {
-    const double a = std::numbers::pi * i / 32;
+    const double a = kPi * i / 32;
     profile.emplace_back(20 * std::sin(a), -20 * std::cos(a));
   }
   EXPECT_GE(search(turned(profile, 48)).exact_axes.size(), 2u);
@@ -156,13 +156,13 @@ TEST(Symmetry, MovesOfATurnAndAnAxisKeepTheirPoint) {
   SymmetryTurn t{};
   t.axis[2] = 1;
   t.point_mm[0] = 3;
-  t.angle_rad = static_cast<float>(std::numbers::pi / 2);
+  t.angle_rad = static_cast<float>(kPi / 2);
   t.shift_mm = 5;
   EXPECT_TRUE((move_of(t) * Vec3(4, 0, 0)).isApprox(Vec3(3, 1, 5), 1e-6));
   SymmetryAxis a{};
   a.axis[0] = 1;
   a.point_mm[1] = 2;
-  EXPECT_TRUE((move_about(a, std::numbers::pi) * Vec3(7, 3, 0)).isApprox(Vec3(7, 1, 0), 1e-6));
+  EXPECT_TRUE((move_about(a, kPi) * Vec3(7, 3, 0)).isApprox(Vec3(7, 1, 0), 1e-6));
 }
 
 // Every symmetry of one list is in the other, as far as the part's tolerance.

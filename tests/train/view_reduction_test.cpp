@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "train/pose_tree.hpp"
 #include "train/shell_points.hpp"
 #include "train/toy_part.hpp"
@@ -14,7 +14,6 @@
 namespace binpick::train {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 // From any direction to the nearest of 642 viewpoints.
 constexpr double kReach_deg = 5.5;
 

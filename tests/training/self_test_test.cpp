@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "binpick/geometry/angle.hpp"
 #include "core/bracket.hpp"
 
 namespace binpick::app {
@@ -62,8 +63,8 @@ TEST(SelfTest, CountsWhatIsRightAboveTheThreshold) {
 
 TEST(SelfTest, NamesTheTurnThatPartsAreConfusedBy) {
   PileTrial trial = ten_parts();
-  const Mat3 half_turn = rotation_from_vector({0, M_PI, 0});
-  const Mat3 nearly = rotation_from_vector({0, M_PI - 0.15, 0});
+  const Mat3 half_turn = rotation_from_vector({0, kPi, 0});
+  const Mat3 nearly = rotation_from_vector({0, kPi - 0.15, 0});
   for (std::size_t i = 0; i < 4; ++i) {
     Pose flipped = truth_of(trial, i);
     flipped.R = flipped.R * (i % 2 == 0 ? half_turn : nearly);

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "binpick/geometry/angle.hpp"
+
 namespace binpick::simulation {
 namespace {
 
@@ -12,8 +14,8 @@ TriangleMesh sphere(int rings, int sides) {
   TriangleMesh mesh;
   for (int r = 0; r <= rings; ++r) {
     for (int s = 0; s < sides; ++s) {
-      const double polar = M_PI * r / rings;
-      const double turn = 2 * M_PI * s / sides;
+      const double polar = kPi * r / rings;
+      const double turn = 2 * kPi * s / sides;
       mesh.add_vertex({10 * std::sin(polar) * std::cos(turn), 10 * std::sin(polar) * std::sin(turn),
                        10 * std::cos(polar)});
     }
@@ -42,7 +44,7 @@ TEST(SimplifiedMesh, HasNoMoreTrianglesThanAskedForAndKeepsTheShape) {
   EXPECT_LE(less.triangles.size(), 5000u);
   EXPECT_GE(less.triangles.size(), 2000u) << "coarser than it has to be";
   for (const auto& v : less.vertices) EXPECT_NEAR(v.norm(), 10, 0.1);
-  EXPECT_NEAR(std::abs(signed_volume(less)), 4 / 3.0 * M_PI * 1000, 50);
+  EXPECT_NEAR(std::abs(signed_volume(less)), 4 / 3.0 * kPi * 1000, 50);
 }
 
 }  // namespace

@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <numbers>
 #include <numeric>
 
+#include "binpick/geometry/angle.hpp"
 #include "bop_writer.hpp"
 #include "mesh_files.hpp"
 #include "parts.hpp"
@@ -71,7 +71,7 @@ void run(const Options& options) {
       options.mesh_paths.empty() ? make_own_parts() : read_parts(options.mesh_paths);
   FrameParams params;
   params.part_count = options.part_count;
-  params.camera.tilt_max_rad = options.tilt_deg_max * std::numbers::pi / 180;
+  params.camera.tilt_max_rad = options.tilt_deg_max * binpick::kDegree;
   params.sensor = sensor_for(options.shine);
   write_models(options.out, parts, params.camera);
   if (!options.cad_out.empty()) {

@@ -1,13 +1,12 @@
 #include <cmath>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "parts.hpp"
 #include "solid_builder.hpp"
 
 namespace binpick::simulation {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kThickness = 2;
 constexpr double kInnerRadius = 2.5;
 constexpr double kHalfWidth = 15;

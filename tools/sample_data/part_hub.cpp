@@ -1,13 +1,12 @@
 #include <cmath>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "parts.hpp"
 #include "solid_builder.hpp"
 
 namespace binpick::simulation {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kPoints = 96;
 
 // The outline of the flange: a disc and a small disc to the side, held by their common tangents.

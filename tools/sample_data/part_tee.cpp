@@ -1,13 +1,12 @@
 #include <cmath>
-#include <numbers>
 
+#include "binpick/geometry/angle.hpp"
 #include "parts.hpp"
 #include "solid_builder.hpp"
 
 namespace binpick::simulation {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kSides = 48;           // points round the branch; divisible by 8
 constexpr int kBackColumns = 26;     // columns of the run's back, away from the branch
 constexpr int kBlendRings = 4;       // rings between branch and run

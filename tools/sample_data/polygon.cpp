@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
+
+#include "binpick/geometry/angle.hpp"
 
 namespace binpick::simulation {
 namespace {
@@ -128,7 +129,7 @@ std::vector<std::array<int, 3>> triangulated(const Region& region) {
 Loop circle(const Vector2d& centre, double radius, int points) {
   Loop loop;
   for (int i = 0; i < points; ++i) {
-    const double angle = 2 * std::numbers::pi * i / points;
+    const double angle = 2 * kPi * i / points;
     loop.push_back(centre + radius * Vector2d(std::cos(angle), std::sin(angle)));
   }
   return loop;
@@ -137,8 +138,8 @@ Loop circle(const Vector2d& centre, double radius, int points) {
 Loop hexagon(const Vector2d& centre, double across_flats, int points) {
   Loop loop;
   for (int i = 0; i < points; ++i) {
-    const double angle = 2 * std::numbers::pi * i / points;
-    const double to_flat = std::remainder(angle - std::numbers::pi / 6, std::numbers::pi / 3);
+    const double angle = 2 * kPi * i / points;
+    const double to_flat = std::remainder(angle - kPi / 6, kPi / 3);
     const double radius = across_flats / 2 / std::cos(to_flat);
     loop.push_back(centre + radius * Vector2d(std::cos(angle), std::sin(angle)));
   }
@@ -148,7 +149,7 @@ Loop hexagon(const Vector2d& centre, double across_flats, int points) {
 Loop slot(const Vector2d& centre, double length, double radius, int points) {
   Loop loop;
   for (int i = 0; i <= points / 2; ++i) {
-    const double angle = -std::numbers::pi / 2 + 2 * std::numbers::pi * i / points;
+    const double angle = -kPi / 2 + 2 * kPi * i / points;
     loop.push_back(centre +
                    Vector2d(length / 2 + radius * std::cos(angle), radius * std::sin(angle)));
   }
