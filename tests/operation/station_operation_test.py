@@ -19,6 +19,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "daemon"))
 import station_process as sp  # noqa: E402  pylint: disable=wrong-import-position
 
 DAEMON, BINPICK, MODEL = sys.argv.pop(1), sys.argv.pop(1), sys.argv.pop(1)
+# Room for all records of a test: what writes them waits until nobody else wants the processor.
+ALWAYS = 'mode = "always"\ncycles = 32'
 
 
 class Operation(unittest.TestCase):
@@ -73,7 +75,7 @@ class Operation(unittest.TestCase):
                 in re.findall(r"(?m)^(binpick_\S+) (\S+)$", station.metrics())}
 
     def test_recorded_cycles_replay_to_the_same_registers(self):
-        station = self.start('mode = "always"')
+        station = self.start(ALWAYS)
         plc = sp.Plc(station)
         self.addCleanup(plc.close)
         answers = []
@@ -110,7 +112,7 @@ class Operation(unittest.TestCase):
         self.assertIn("is not among the models of this replay", done.stderr)
 
     def test_orders_beside_cycles_are_recorded_as_they_were_written(self):
-        station = self.start('mode = "always"')
+        station = self.start(ALWAYS)
         plc = sp.Plc(station)
         self.addCleanup(plc.close)
         blocks = []
@@ -151,7 +153,7 @@ class Operation(unittest.TestCase):
         self.assertIn("8 answers the same, 0 differ, 5 not comparable", done.stdout)
 
     def test_cycles_that_were_cut_short_are_told_by_number(self):
-        station = self.start('mode = "always"\ncycles = 32')
+        station = self.start(ALWAYS)
         whole_ms = max(self.detect(station)["times_ms"]["total"] for _ in range(7))
         cut = None
         for percent in range(95, 5, -1):  # how long it takes depends on the machine
@@ -175,7 +177,7 @@ class Operation(unittest.TestCase):
                              r"(?m)^\d+ answers the same, 0 differ, \d+ not comparable$")
 
     def test_what_is_in_effect_is_recorded_whatever_the_files_say(self):
-        station = self.start('mode = "always"')
+        station = self.start(ALWAYS)
         station.write("binpick.toml",
                       station.main.replace("[station]", "[station]\npicks_max = 32"))
         station.write("tee.toml", Path(station.folder, "tee.toml").read_text() + "picks_max = 1\n")
@@ -190,7 +192,7 @@ class Operation(unittest.TestCase):
                          (0, "2 answers the same, 0 differ, 0 not comparable\n"), done.stderr)
 
     def test_a_recording_is_a_sensor(self):
-        station = self.start('mode = "always"')
+        station = self.start(ALWAYS)
         first = self.detect(station)
         self.wait_for_lines(station, 1)
         station.stop()
@@ -208,7 +210,7 @@ class Operation(unittest.TestCase):
         self.assertEqual([line["cycle"] for line in self.wait_for_lines(station, 2)], [2, 3])
 
     def test_damaged_recordings_are_told(self):
-        station = self.start('mode = "always"')
+        station = self.start(ALWAYS)
         self.detect(station)
         self.wait_for_lines(station, 1)
         station.stop()
@@ -228,7 +230,7 @@ class Operation(unittest.TestCase):
         self.assertEqual(self.replay(station.folder).returncode, 78)
 
     def test_metrics_count_what_happens(self):
-        station = self.start('mode = "always"', metrics=True)
+        station = self.start(ALWAYS, metrics=True)
         before = self.metrics(station)
         self.assertEqual(before['binpick_answers_total{cause="done"}'], 0)
         picks = len(self.detect(station)["picks"])
@@ -249,7 +251,7 @@ class Operation(unittest.TestCase):
         self.assertGreater(after["binpick_threads"], 3)
 
     def test_a_disk_without_room_costs_no_cycle_and_is_told(self):
-        station = self.start('mode = "always"', metrics=True, free_mib_min=1 << 24)
+        station = self.start(ALWAYS, metrics=True, free_mib_min=1 << 24)
         for _ in range(3):
             self.detect(station)
         end = time.monotonic() + 60
