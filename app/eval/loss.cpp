@@ -104,12 +104,15 @@ LossCause lost_at(const TargetFinding& t, double threshold) {
     case Checkpoint::kScreenSelected:
       return {Loss::kSuppression,
               "screening: " + counted(before) + " of the leaves, beyond the limit"};
+    case Checkpoint::kUnexplained:
+      return {Loss::kSuppression, "before PnP: the best pose at another place explains its pixels"};
     case Checkpoint::kPnp:
       return {Loss::kRefinement, "PnP took it away"};
     case Checkpoint::kIcp:
       return {Loss::kRefinement, "ICP took it away"};
     case Checkpoint::kIcpSelected:
-      return {Loss::kSuppression, "after ICP: too many better ones at its place"};
+      return {Loss::kSuppression,
+              "after ICP: too many better ones at its place, or a far more probable one"};
     case Checkpoint::kRefined:
       return {Loss::kRefinement, "the last refinement took it away"};
     case Checkpoint::kRefinedSelected:

@@ -8,12 +8,13 @@
 #include "detect/acceptance.hpp"
 #include "detect/detector_plan.hpp"
 #include "detect/stage_observer.hpp"
-#include "pose/explain.hpp"
+#include "pose/claims.hpp"
 #include "pose/hypothesis.hpp"
 #include "pose/loose_turns.hpp"
 #include "pose/near_poses.hpp"
 #include "pose/rivals.hpp"
 #include "pose/screen.hpp"
+#include "pose/set_aside.hpp"
 #include "search/tree_search.hpp"
 
 namespace binpick {
@@ -46,14 +47,13 @@ struct Detector::Impl {
         kernels(simd::make_kernel_table(params_in.isa)),
         pyramid(plan.pyramid, arena),
         search(plan.search, plan.search_params, arena),
-        ownership(plan.pyramid.width_max >> kFeatureLevel, plan.pyramid.height_max >> kFeatureLevel,
-                  plan.explained_max(), arena),
+        claims(plan.pyramid.width_max >> kFeatureLevel, plan.pyramid.height_max >> kFeatureLevel,
+               plan.explained_max(), pool.thread_count(), arena),
         scale_plans(arena.take<ScalePlan>(models.size())),
         moves(arena.take<PartMoves>(models.size())),
         screening(arena.take<Hypothesis>(plan.screening_max())),
         hypotheses(arena.take<Hypothesis>(kHypothesesMax)),
-        owners(arena.take<Hypothesis*>(static_cast<std::size_t>(plan.explained_max()))),
-        detections(arena.take<Detection>(owners.size())) {
+        detections(arena.take<Detection>(static_cast<std::size_t>(plan.explained_max()))) {
     for (std::size_t i = 0; i < models.size(); ++i) moves[i] = PartMoves(models[i], arena);
   }
 
@@ -83,12 +83,11 @@ struct Detector::Impl {
   simd::KernelTable kernels;
   FeaturePyramid pyramid;
   TreeSearch search;
-  SceneOwnership ownership;
+  Claims claims;  // on pixels of the scene
   std::span<ScalePlan> scale_plans;
   std::span<PartMoves> moves;       // of the models' symmetries
   std::span<Hypothesis> screening;  // all leaf candidates of one model
   std::span<Hypothesis> hypotheses;
-  std::span<Hypothesis*> owners;  // of pixels of the scene
   std::span<Detection> detections;
 };
 
@@ -101,13 +100,13 @@ std::size_t Detector::footprint(std::span<const ObjectModel> models, const Detec
   counted.take<PartMoves>(models.size());
   counted.take<Hypothesis>(plan.screening_max());
   counted.take<Hypothesis>(kHypothesesMax);
-  counted.take<Hypothesis*>(static_cast<std::size_t>(plan.explained_max()));
   counted.take<Detection>(static_cast<std::size_t>(plan.explained_max()));
   for (const ObjectModel& model : models) PartMoves::plan(model, counted);
   return counted.bytes + FeaturePyramid::footprint(plan.pyramid) +
          TreeSearch::footprint(plan.search, plan.search_params) +
-         SceneOwnership::footprint(plan.pyramid.width_max >> kFeatureLevel,
-                                   plan.pyramid.height_max >> kFeatureLevel, plan.explained_max());
+         Claims::footprint(plan.pyramid.width_max >> kFeatureLevel,
+                           plan.pyramid.height_max >> kFeatureLevel, plan.explained_max(),
+                           thread_count);
 }
 
 Detector::Detector(std::span<const ObjectModel> models, const DetectorLimits& limits,
@@ -199,8 +198,8 @@ int Detector::Impl::estimate_poses(int count, const Deadline& deadline,
   auto until = [&](double share) {
     return PoseContext{models, moves, scene, pool, deadline.after_share(share)};
   };
-  const PoseContext pnp_end = until(0.15), icp_end = until(0.45), check_end = until(0.55),
-                    refine_end = until(0.88), end = until(1);
+  const PoseContext lead_end = until(0.12), pnp_end = until(0.2), icp_end = until(0.4),
+                    check_end = until(0.5), refine_end = until(0.75), end = until(1);
   auto living = [&] { return hypotheses.first(static_cast<std::size_t>(count)); };
   auto observe = [&](Checkpoint checkpoint) {
     if (request.observer) request.observer->hypotheses(checkpoint, living());
@@ -209,12 +208,21 @@ int Detector::Impl::estimate_poses(int count, const Deadline& deadline,
     count = timed(Stage::kSuppress, report,
                   [&] { return suppress(end, living(), kPerPlaceAfterIcp, report); });
   };
-  timed(Stage::kPnp, report, [&] { run_pnp(pnp_end, living()); });
+  // The best at each place first: what these explain beyond doubt is spared the others.
+  const std::size_t leaders = leaders_to_front(end, living());
+  const std::span<Hypothesis> leading = living().first(leaders), others = living().subspan(leaders);
+  timed(Stage::kPnp, report, [&] { run_pnp(lead_end, leading); });
+  timed(Stage::kIcp, report, [&] { run_icp(lead_end, leading); });
+  timed(Stage::kVerify, report, [&] { run_verify(lead_end, leading); });
+  timed(Stage::kSuppress, report, [&] { set_aside_explained(end, claims, leading, others); });
+  observe(Checkpoint::kUnexplained);
+  timed(Stage::kPnp, report, [&] { run_pnp(pnp_end, others); });
   observe(Checkpoint::kPnp);
-  timed(Stage::kIcp, report, [&] { run_icp(icp_end, living()); });
+  timed(Stage::kIcp, report, [&] { run_icp(icp_end, others); });
   observe(Checkpoint::kIcp);
-  timed(Stage::kVerify, report, [&] { run_verify(check_end, living()); });
+  timed(Stage::kVerify, report, [&] { run_verify(check_end, others); });
   drop_repeated();
+  timed(Stage::kSuppress, report, [&] { set_aside_outdone(end, claims, living()); });
   observe(Checkpoint::kIcpSelected);
   timed(Stage::kRefine, report, [&] { run_refine(refine_end, living()); });
   observe(Checkpoint::kRefined);
@@ -241,28 +249,22 @@ void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, i
     h.drop(reason);
     count_drop(report, reason);
   };
-  ownership.clear(scene);
-  int owner_count = 0;
+  claims.clear(scene);
   for (Hypothesis& h : living) {
-    const ObjectModel& model = models[h.candidate.model];
     if (!centre_inside_roi(frame, pyramid.region(), h.T_cam_centre, scene)) {
       h.alive = false;
     } else if (const auto objection =
                    objection_to(h, std::min(kScoreToExplain, request.min_score))) {
       drop(h, *objection);
-    } else if (const auto owned = ownership.owned(model, scene, h.T_cam_centre);
-               owned.share > kOwnedShareMax) {
-      meet_rival(context, *owners[static_cast<std::size_t>(owned.owner)], h);
+    } else if (Hypothesis* owner = claims.owner_of(context, h)) {
+      meet_rival(context, *owner, h);
       drop(h, DropReason::kOverlapsBetter);
-    } else if (owner_count == plan.explained_max()) {
+    } else if (!claims.add(context, h)) {
       drop(h, DropReason::kResultLimit);
-    } else {
-      ownership.claim(model, scene, h.T_cam_centre, owner_count);
-      owners[static_cast<std::size_t>(owner_count++)] = &h;
     }
   }
   std::size_t accepted = 0;
-  for (Hypothesis* h : owners.first(static_cast<std::size_t>(owner_count))) {
+  for (Hypothesis* h : claims.owners()) {
     score_beside_rivals(context, *h);
     if (h->score < request.min_score) {
       drop(*h, DropReason::kBelowMinScore);

@@ -60,8 +60,8 @@ class Tracer final : public StageObserver {
   void finished(const ObservedCycle& cycle) override {
     hypotheses(Checkpoint::kAccepted, cycle.explained);
     const Scene scene(cycle.pyramid);
-    Arena arena(SceneOwnership::footprint(scene.depth.width, scene.depth.height, 1));
-    SceneOwnership ownership(scene.depth.width, scene.depth.height, 1, arena);
+    Arena arena(SceneOwnership::footprint(scene.depth.width, scene.depth.height, 1, 1));
+    SceneOwnership ownership(scene.depth.width, scene.depth.height, 1, 1, arena);
     for (std::size_t i = 0; i < references_.size(); ++i) {
       const auto& wanted = cycle.request.model_indices;
       const int of = references_[i].model_index;
@@ -117,10 +117,10 @@ class Tracer final : public StageObserver {
 
 const char* checkpoint_name(Checkpoint checkpoint) {
   static constexpr const char* kNames[kCheckpointCount] = {
-      "scanned",    "scan_selected", "descended_1",  "selected_1", "descended_2",
-      "selected_2", "descended_3",   "selected_3",   "screened",   "screen_selected",
-      "pnp",        "icp",           "icp_selected", "refined",    "refined_selected",
-      "accepted"};
+      "scanned",          "scan_selected", "descended_1", "selected_1",   "descended_2",
+      "selected_2",       "descended_3",   "selected_3",  "screened",     "screen_selected",
+      "unexplained",      "pnp",           "icp",         "icp_selected", "refined",
+      "refined_selected", "accepted"};
   return kNames[static_cast<std::size_t>(checkpoint)];
 }
 

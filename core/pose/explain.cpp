@@ -16,18 +16,25 @@ std::size_t cell_count(int width, int height) {
          static_cast<std::size_t>(height / kCellPx + 1);
 }
 
+std::size_t vote_count(int owners_max) {
+  return static_cast<std::size_t>(owners_max) + 1;
+}
+
 }  // namespace
 
-std::size_t SceneOwnership::footprint(int width_max, int height_max, int owners_max) {
+std::size_t SceneOwnership::footprint(int width_max, int height_max, int owners_max,
+                                      int thread_count) {
   ArenaPlan plan;
   plan.take<std::uint16_t>(cell_count(width_max, height_max));
-  plan.take<int>(static_cast<std::size_t>(owners_max) + 1);
+  plan.take<int>(vote_count(owners_max) * static_cast<std::size_t>(thread_count));
   return plan.bytes;
 }
 
-SceneOwnership::SceneOwnership(int width_max, int height_max, int owners_max, Arena& arena)
+SceneOwnership::SceneOwnership(int width_max, int height_max, int owners_max, int thread_count,
+                               Arena& arena)
     : owned_(arena.take<std::uint16_t>(cell_count(width_max, height_max))),
-      votes_(arena.take<int>(static_cast<std::size_t>(owners_max) + 1)) {}
+      votes_(arena.take<int>(vote_count(owners_max) * static_cast<std::size_t>(thread_count))),
+      votes_per_thread_(vote_count(owners_max)) {}
 
 void SceneOwnership::clear(const Scene& scene) {
   columns_ = scene.depth.width / kCellPx + 1;
@@ -51,17 +58,19 @@ void SceneOwnership::visit_cells(const ObjectModel& model, const Scene& scene, c
 }
 
 SceneOwnership::Owned SceneOwnership::owned(const ObjectModel& model, const Scene& scene,
-                                            const Pose& T) {
-  std::fill(votes_.begin(), votes_.end(), 0);
+                                            const Pose& T, int thread) const {
+  const std::span<int> votes =
+      votes_.subspan(static_cast<std::size_t>(thread) * votes_per_thread_, votes_per_thread_);
+  std::fill(votes.begin(), votes.end(), 0);
   int total = 0;
   visit_cells(model, scene, T, [&](int x, int y) {
     ++total;
-    ++votes_[owned_[static_cast<std::size_t>(y * columns_ + x)]];
+    ++votes[owned_[static_cast<std::size_t>(y * columns_ + x)]];
   });
-  if (total == votes_[0]) return {};
-  const auto most = std::max_element(votes_.begin() + 1, votes_.end());
-  return {static_cast<double>(total - votes_[0]) / total,
-          static_cast<int>(most - votes_.begin()) - 1};
+  if (total == votes[0]) return {};
+  const auto most = std::max_element(votes.begin() + 1, votes.end());
+  return {static_cast<double>(total - votes[0]) / total,
+          static_cast<int>(most - votes.begin()) - 1};
 }
 
 void SceneOwnership::claim(const ObjectModel& model, const Scene& scene, const Pose& T, int owner) {

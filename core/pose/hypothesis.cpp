@@ -50,6 +50,10 @@ Pose at_distance_of(const Pose& with, Pose T) {
   return T;
 }
 
+bool near_place(const ObjectModel& model, const Pose& a, const Pose& b) {
+  return (a.t_mm - b.t_mm).norm() < kSamePlaceShare * model.info().diameter_mm;
+}
+
 bool sane(const Pose& T) {
   return T.t_mm.allFinite() && T.R.allFinite() && T.t_mm.z() > 1;
 }
@@ -62,9 +66,16 @@ bool same_pick(const PoseContext& context, int model_index, const Pose& a, const
       a, b, kSamePick.diameters * context.models[index].info().diameter_mm, kSamePick.angle_rad);
 }
 
+bool at_one_place(const PoseContext& context, const Hypothesis& a, const Hypothesis& b) {
+  const Pose& T = a.T_cam_centre;
+  const Pose of_b = context.scene.with_depth ? b.T_cam_centre : at_distance_of(T, b.T_cam_centre);
+  return near_place(context.models[a.candidate.model], T, of_b);
+}
+
 Neighbours neighbours_of(const PoseContext& context, std::span<const Hypothesis> better,
                          const Hypothesis& h, const SameLimits& same) {
-  const double diameter_mm = context.models[h.candidate.model].info().diameter_mm;
+  const ObjectModel& model = context.models[h.candidate.model];
+  const double diameter_mm = model.info().diameter_mm;
   const PartMoves& moves = context.moves[h.candidate.model];
   Neighbours near;
   for (const Hypothesis& other : better) {
@@ -72,7 +83,7 @@ Neighbours neighbours_of(const PoseContext& context, std::span<const Hypothesis>
     const auto meet = [&](const Pose& T) {
       near.repeated =
           moves.same(other.T_cam_centre, T, same.diameters * diameter_mm, same.angle_rad);
-      near.at_place += (other.T_cam_centre.t_mm - T.t_mm).norm() < kSamePlaceShare * diameter_mm;
+      near.at_place += near_place(model, other.T_cam_centre, T);
     };
     if (context.scene.with_depth) {
       meet(h.T_cam_centre);

@@ -52,6 +52,9 @@ struct Neighbours {
   int at_place = 0;       // that compete for the same part; not counted to the end where repeated
 };
 
+// Whether two hypotheses of a model compete for the same part.
+bool at_one_place(const PoseContext& context, const Hypothesis& a, const Hypothesis& b);
+
 // How near poses are the same.
 struct SameLimits {
   double diameters, angle_rad;

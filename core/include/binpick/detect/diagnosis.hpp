@@ -23,14 +23,15 @@ enum class Checkpoint : int {
   kSelected3,
   kScreened,        // turned to poses that stand on the measured surface
   kScreenSelected,  // without repetitions, within the limit of number
+  kUnexplained,     // the best at each place, and what those do not explain beyond doubt
   kPnp,
   kIcp,
-  kIcpSelected,  // without repetitions, a few a place
+  kIcpSelected,  // without repetitions and far less probable ones, a few a place
   kRefined,
   kRefinedSelected,
   kAccepted,  // became a detection
 };
-inline constexpr int kCheckpointCount = 16;
+inline constexpr int kCheckpointCount = 17;
 const char* checkpoint_name(Checkpoint checkpoint);  // snake_case
 
 // What counts as the known pose: each of the six parameters (mm; components of the rotation vector
