@@ -16,7 +16,7 @@ namespace binpick::app {
 inline constexpr int kTrainerRevision = 5;
 // The same of the detector, as far as trials in simulated piles tell something else. The templates
 // stay.
-inline constexpr int kTrialsRevision = 3;
+inline constexpr int kTrialsRevision = 4;
 // No trials: templates alone.
 inline constexpr TrialPlan kNoTrials{0, 0};
 
