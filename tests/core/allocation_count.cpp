@@ -24,16 +24,17 @@ namespace {
 ThreadAllocations table_of_process[kThreadsCounted];
 std::atomic<ThreadAllocations*> table{table_of_process};
 
-// Where the program's own code lies; shared libraries lie elsewhere. Before it is known everything
-// counts as a library's.
-std::uintptr_t code_begin = 0, code_end = 0;
-
 // Not in memory that is made when it is first used: that would be an allocation.
 #define THREAD_OWN __attribute__((tls_model("initial-exec"))) thread_local
 THREAD_OWN AllocationCounts of_this_thread;
-THREAD_OWN ThreadAllocations* entry = nullptr;
 
 #ifdef BINPICK_COUNTS_ALLOCATIONS
+
+THREAD_OWN ThreadAllocations* entry = nullptr;
+
+// Where the program's own code lies; shared libraries lie elsewhere. Before it is known everything
+// counts as a library's.
+std::uintptr_t code_begin = 0, code_end = 0;
 
 ThreadAllocations* claim_entry() {
   ThreadAllocations* threads = table.load(std::memory_order_acquire);
