@@ -5,10 +5,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <thread>
 
 namespace binpick {
 
@@ -16,6 +18,18 @@ namespace binpick {
 inline int entries_of(const char* folder) {
   const std::filesystem::directory_iterator entries(folder);
   return static_cast<int>(std::distance(begin(entries), end(entries)));
+}
+
+// Of this process, once they are as few as `expected`, or after a second: the kernel lists a thread
+// for a moment after it was joined.
+inline int threads_at_last(int expected) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  int threads = entries_of("/proc/self/task");
+  while (threads > expected && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    threads = entries_of("/proc/self/task");
+  }
+  return threads;
 }
 
 inline long resident_pages() {
