@@ -105,7 +105,7 @@ LossCause lost_at(const TargetFinding& t, double threshold) {
       return {Loss::kSuppression,
               "screening: " + counted(before) + " of the leaves, beyond the limit"};
     case Checkpoint::kUnexplained:
-      return {Loss::kSuppression, "before PnP: the best pose at another place explains its pixels"};
+      return {Loss::kSuppression, "before PnP: a pose as good as certain explains its pixels"};
     case Checkpoint::kPnp:
       return {Loss::kRefinement, "PnP took it away"};
     case Checkpoint::kIcp:

@@ -1,7 +1,7 @@
 #include "pose/set_aside.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "pose/score.hpp"
 

@@ -98,10 +98,10 @@ class Operation(unittest.TestCase):
 
         # Another threshold: what scored below it is gone, and the replay says so.
         station.write("tee.toml", Path(station.folder, "tee.toml").read_text()
-                      .replace("min_score = 0.4", "min_score = 0.97"))
+                      .replace("min_score = 0.4", "min_score = 1.0"))
         done = self.replay(recording, "--config", f"{station.folder}/binpick.toml")
         self.assertEqual(done.returncode, 1, done.stderr)
-        self.assertRegex(done.stdout, r"(?m)^cycle 1: \w+: 0x[0-9A-F]{4} was recorded")
+        self.assertRegex(done.stdout, r"(?m)^cycle 1: picks: 0x[0-9A-F]{4} was recorded")
         # Another model file under the same name is told.
         other = shutil.copy(recording / "recording.json", station.folder)
         head = json.loads(Path(other).read_text())
