@@ -14,7 +14,7 @@ import unittest
 from pathlib import Path
 
 SAMPLE = Path(__file__).resolve().parents[1] / "data" / "bin-sample"
-QUICK = ["--samples", "100", "--gradient-threshold", "10", "--normal-threshold", "20",
+QUICK = ["--samples", "50", "--gradient-threshold", "5", "--normal-threshold", "10",
          "--calibration-piles", "0"]
 
 
