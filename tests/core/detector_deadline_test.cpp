@@ -4,8 +4,7 @@
 #include <vector>
 
 #include "binpick/detect/detector.hpp"
-#include "bracket.hpp"
-#include "threads_per_call.hpp"
+#include "detector_rig.hpp"
 
 namespace binpick {
 namespace {
@@ -16,13 +15,8 @@ std::int64_t asked_clock() {
   return asked_ns += 1000;
 }
 
-constexpr DetectorLimits kLimits{480, 360, 0, 0, 32};
-
-struct Rig {
-  explicit Rig(ClockFn clock)
-      : models{bracket_model()},
-        arena(Detector::footprint(models, kLimits, {}, 1)),
-        detector(models, kLimits, {}, pool, clock, arena) {}
+struct DeadlineRig : DetectorRig {
+  explicit DeadlineRig(ClockFn clock) : DetectorRig(kLimits, {}, 1, clock) {}
 
   // Of a deadline so many readings of the clock after the start; 0: none.
   DetectionReport detect(const Frame& frame, std::int64_t readings) {
@@ -31,11 +25,6 @@ struct Rig {
     request.deadline_ns = readings == 0 ? 0 : asked_ns + 1000 * readings;
     return detector.detect(frame, request).value();
   }
-
-  ThreadsPerCall pool{1};
-  std::vector<ObjectModel> models;
-  Arena arena;
-  Detector detector;
 };
 
 const BracketScene& scene() {
@@ -56,7 +45,7 @@ Answer answer(const DetectionReport& report) {
 }
 
 TEST(DetectorDeadline, ThatIsFarOffChangesNothing) {
-  Rig rig(asked_clock);
+  DeadlineRig rig(asked_clock);
   const Answer free = answer(rig.detect(scene().frame(), 0));
   const Answer timed = answer(rig.detect(scene().frame(), 10'000'000));
   EXPECT_FALSE(free.cut_short);
@@ -70,7 +59,7 @@ TEST(DetectorDeadline, ThatIsFarOffChangesNothing) {
 }
 
 TEST(DetectorDeadline, ThatHasPassedGivesNothing) {
-  Rig rig(asked_clock);
+  DeadlineRig rig(asked_clock);
   const Answer a = answer(rig.detect(scene().frame(), 1));
   EXPECT_TRUE(a.cut_short);
   EXPECT_TRUE(a.detections.empty());
@@ -79,7 +68,7 @@ TEST(DetectorDeadline, ThatHasPassedGivesNothing) {
 // The sooner the deadline, the fewer hypotheses are worked on; what is answered is right all the
 // same.
 TEST(DetectorDeadline, CutsTheLeastPromisingFirst) {
-  Rig rig(asked_clock);
+  DeadlineRig rig(asked_clock);
   int with_some = 0, cut = 0;
   for (std::int64_t readings = 50; readings <= 12'800; readings *= 2) {
     const Answer a = answer(rig.detect(scene().frame(), readings));
@@ -101,7 +90,7 @@ TEST(DetectorDeadline, CutsTheLeastPromisingFirst) {
 }
 
 TEST(DetectorDeadline, MeansNothingWithoutAClock) {
-  Rig rig(nullptr);
+  DeadlineRig rig(nullptr);
   const Answer a = answer(rig.detect(scene().frame(), 1));
   EXPECT_FALSE(a.cut_short);
   EXPECT_EQ(3u, a.detections.size());

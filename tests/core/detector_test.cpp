@@ -11,28 +11,20 @@
 #include <utility>
 
 #include "allocation_count.hpp"
-#include "bracket.hpp"
-#include "threads_per_call.hpp"
+#include "detector_rig.hpp"
 
 namespace binpick {
 namespace {
 
-const DetectorLimits kLimits{480, 360, 0, 0, 32};
+constexpr DetectorLimits kLimits = DetectorRig::kLimits;
 
 std::int64_t steady_ns() {
   return std::chrono::steady_clock::now().time_since_epoch().count();
 }
 
-// A detector for brackets, with what it lives on.
-struct Rig {
-  explicit Rig(const DetectorLimits& limits = kLimits, const DetectorParams& params = {},
-               int threads = 1, ClockFn clock = nullptr)
-      : pool(threads),
-        models{bracket_model()},
-        arena(Detector::footprint(models, limits, params, threads)),
-        detector(models, limits, params, pool, clock, arena) {
-    arena.seal();
-  }
+struct Rig : DetectorRig {
+  using DetectorRig::DetectorRig;
+
   Result<DetectionReport> detect(const Frame& frame) {
     DetectRequest request;
     request.min_score = 0.4;
@@ -42,11 +34,6 @@ struct Rig {
     const Result<DetectionReport> report = detect(frame);
     return report.ok() ? ErrorCode::kNone : report.error().code;
   }
-
-  ThreadsPerCall pool;
-  std::vector<ObjectModel> models;
-  Arena arena;
-  Detector detector;
 };
 
 const BracketScene& scene() {

@@ -5,24 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
-#include "bracket.hpp"
-#include "threads_per_call.hpp"
+#include "detector_rig.hpp"
 
 namespace binpick {
 namespace {
 
-const DetectorLimits kLimits{480, 360, 0, 0, 32};
+struct DiagnosisRig : DetectorRig {
+  explicit DiagnosisRig(std::vector<ObjectModel> parts = {bracket_model()})
+      : DetectorRig(kLimits, {}, 1, nullptr, std::move(parts)) {}
 
-struct Rig {
-  explicit Rig(std::vector<ObjectModel> parts = {bracket_model()})
-      : pool(1),
-        models(std::move(parts)),
-        arena(Detector::footprint(models, kLimits, {}, 1)),
-        detector(models, kLimits, {}, pool, nullptr, arena) {
-    arena.seal();
-  }
   Result<DetectionReport> diagnosed(const Frame& frame, const std::vector<Pose>& poses,
                                     std::vector<ReferenceFinding>& findings) {
     std::vector<ReferencePose> references;
@@ -31,10 +25,6 @@ struct Rig {
     return diagnose(detector, frame, request, references, {}, findings);
   }
 
-  ThreadsPerCall pool;
-  std::vector<ObjectModel> models;
-  Arena arena;
-  Detector detector;
   DetectRequest request;
 };
 
@@ -44,7 +34,7 @@ const Sighting& at(const ReferenceFinding& f, Checkpoint c) {
 
 TEST(Diagnosis, FollowsAFoundPartToTheEnd) {
   const BracketScene scene = render_brackets(bracket_camera(), three_brackets(), 0.1);
-  Rig rig;
+  DiagnosisRig rig;
   std::vector<ReferenceFinding> findings;
   ASSERT_TRUE(rig.diagnosed(scene.frame(), scene.truth, findings).ok());
   for (const ReferenceFinding& f : findings) {
@@ -75,7 +65,7 @@ TEST(Diagnosis, FollowsAFoundPartToTheEnd) {
 // Two parts of one shape: whatever explains the one explains the other.
 TEST(Diagnosis, ScoresThePoseFromTheTruthBesideItsRivals) {
   const BracketScene scene = render_brackets(bracket_camera(), three_brackets(), 0.1);
-  Rig alone, twice({bracket_model(), bracket_model()});
+  DiagnosisRig alone, twice({bracket_model(), bracket_model()});
   std::vector<ReferenceFinding> without_rival, with_rival;
   ASSERT_TRUE(alone.diagnosed(scene.frame(), scene.truth, without_rival).ok());
   const auto report = twice.diagnosed(scene.frame(), scene.truth, with_rival);
@@ -93,7 +83,7 @@ TEST(Diagnosis, ScoresThePoseFromTheTruthBesideItsRivals) {
 
 TEST(Diagnosis, ChangesNothingOfTheDetection) {
   const BracketScene scene = render_brackets(bracket_camera(), three_brackets(), 0.1);
-  Rig plain, watched;
+  DiagnosisRig plain, watched;
   const auto a = plain.detector.detect(scene.frame(), plain.request);
   std::vector<ReferenceFinding> findings;
   const auto b = watched.diagnosed(scene.frame(), scene.truth, findings);
@@ -114,7 +104,7 @@ TEST(Diagnosis, LosesAPartThatIsNotThere) {
   const BracketScene scene = render_brackets(bracket_camera(), three_brackets(), 0.1);
   Pose elsewhere = scene.truth.front();
   elsewhere.t_mm.z() -= 60;  // in the air: the table lies behind it
-  Rig rig;
+  DiagnosisRig rig;
   std::vector<ReferenceFinding> findings;
   ASSERT_TRUE(rig.diagnosed(scene.frame(), {elsewhere}, findings).ok());
   EXPECT_FALSE(at(findings[0], Checkpoint::kAccepted).seen());
@@ -133,7 +123,7 @@ TEST(Diagnosis, NamesWhatSpeaksAgainstAHiddenPart) {
         scene.depth_mm[static_cast<std::size_t>(y * scene.camera.width + x)] = 380;
     }
   }
-  Rig rig;
+  DiagnosisRig rig;
   std::vector<ReferenceFinding> findings;
   ASSERT_TRUE(rig.diagnosed(scene.frame(), poses, findings).ok());
   EXPECT_FALSE(at(findings[0], Checkpoint::kAccepted).seen());
@@ -151,7 +141,7 @@ TEST(Diagnosis, AcceptsAnyOfThePosesThatLookAlike) {
   for (const std::size_t count : {1u, 2u}) {
     const ReferencePose reference{0, {alike.data(), count}};
     ReferenceFinding finding;
-    Rig rig;
+    DiagnosisRig rig;
     ASSERT_TRUE(
         diagnose(rig.detector, scene.frame(), rig.request, {&reference, 1}, {}, {&finding, 1})
             .ok());

@@ -8,13 +8,10 @@
 
 #include "allocation_count.hpp"
 #include "binpick/detect/detector.hpp"
-#include "bracket.hpp"
-#include "threads_per_call.hpp"
+#include "detector_rig.hpp"
 
 namespace binpick {
 namespace {
-
-const DetectorLimits kLimits{480, 360, 0, 0, 32};
 
 // The bracket is small in the image: what it explains is little, and so is its probability.
 constexpr double kScoreMin = 0.02;
@@ -25,14 +22,9 @@ std::vector<Pose> tilted_brackets() {
           bracket_pose(28, 150, 260, {5, 55, 500})};
 }
 
-struct Rig {
-  explicit Rig(int threads = 1)
-      : pool(threads),
-        models{bracket_model()},
-        arena(Detector::footprint(models, kLimits, {}, threads)),
-        detector(models, kLimits, {}, pool, nullptr, arena) {
-    arena.seal();
-  }
+struct IntensityRig : DetectorRig {
+  explicit IntensityRig(int threads = 1) : DetectorRig(kLimits, {}, threads) {}
+
   Result<DetectionReport> detect(const Frame& frame, Modality modality = Modality::kAutomatic,
                                  double min_score = kScoreMin) {
     DetectRequest request;
@@ -44,11 +36,6 @@ struct Rig {
     const Result<DetectionReport> report = detect(frame, modality);
     return report.ok() ? ErrorCode::kNone : report.error().code;
   }
-
-  ThreadsPerCall pool;
-  std::vector<ObjectModel> models;
-  Arena arena;
-  Detector detector;
 };
 
 // Gray with the noise of a camera.
@@ -96,7 +83,7 @@ void expect_same(const DetectionReport& a, const DetectionReport& b) {
 // Every part is found in the image. The distance and tilt of two of the three come out wrong: their
 // contours fit nearly as well further back, tilted by 20 degrees more.
 TEST(IntensityAlone, FindsPartsWithTheirDistance) {
-  Rig rig;
+  IntensityRig rig;
   const DetectionReport report = rig.detect(without_depth(scene())).value();
   int right = 0;
   for (const Pose& truth : scene().truth) {
@@ -118,7 +105,7 @@ TEST(IntensityAlone, FindsPartsWithTheirDistance) {
 }
 
 TEST(IntensityAlone, TellsThatTheDistanceIsLoose) {
-  Rig rig;
+  IntensityRig rig;
   const DetectionReport report = rig.detect(without_depth(scene())).value();
   ASSERT_FALSE(report.detections.empty());
   for (const Detection& d : report.detections) {
@@ -131,7 +118,7 @@ TEST(IntensityAlone, TellsThatTheDistanceIsLoose) {
 }
 
 TEST(IntensityAlone, FindsNothingWhereNothingIs) {
-  Rig rig;
+  IntensityRig rig;
   BracketScene empty = render_brackets(bracket_camera(), {});
   const auto nothing_in = [&](const BracketScene& seen) {
     return rig.detect(without_depth(seen), Modality::kAutomatic, 0.4).value().detections.empty();
@@ -146,14 +133,14 @@ TEST(IntensityAlone, FindsNothingWhereNothingIs) {
 }
 
 TEST(IntensityAlone, AnswersTheSameBitsOnAnyNumberOfThreads) {
-  Rig one(1), three(3);
+  IntensityRig one(1), three(3);
   expect_same(one.detect(without_depth(scene())).value(),
               three.detect(without_depth(scene())).value());
 }
 
 TEST(IntensityAlone, AllocatesNothing) {
   if (!allocations_counted()) GTEST_SKIP() << "the sanitizer holds malloc";
-  Rig rig;
+  IntensityRig rig;
   for (int i = 0; i < 2; ++i) {
     const long long before = allocation_count();
     ASSERT_TRUE(rig.detect(without_depth(scene())).ok());
@@ -162,7 +149,7 @@ TEST(IntensityAlone, AllocatesNothing) {
 }
 
 TEST(Modality, ChosenIsAsIfTheFrameHadNoOtherImage) {
-  Rig a, b;
+  IntensityRig a, b;
   expect_same(a.detect(scene().frame(), Modality::kIntensity).value(),
               b.detect(without_depth(scene())).value());
   Frame depth = scene().frame();
@@ -173,7 +160,7 @@ TEST(Modality, ChosenIsAsIfTheFrameHadNoOtherImage) {
 }
 
 TEST(Modality, ThatIsMissingIsAnError) {
-  Rig rig;
+  IntensityRig rig;
   Frame depth = scene().frame();
   depth.intensity = {};
   const Frame intensity = without_depth(scene());
@@ -187,7 +174,7 @@ TEST(Modality, ThatIsMissingIsAnError) {
 
 // Depth that failed does not silently become poses whose distance is loose.
 TEST(Modality, AutomaticDoesNotFallBackToIntensity) {
-  Rig rig;
+  IntensityRig rig;
   const std::vector<float> nothing(scene().depth_mm.size(), 0.0f);
   Frame frame = scene().frame();
   frame.depth_mm.data = nothing.data();
