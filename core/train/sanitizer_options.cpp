@@ -1,6 +1,6 @@
 // What the sanitizers shall not report in a program that renders. OSMesa keeps some 160 bytes of
-// every context that is destroyed; its atomic counters are not instrumented, so the thread
-// sanitizer takes what they guard for a race.
+// every context that is destroyed; its atomic counters, and those of the LLVM that it draws with,
+// are not instrumented, so the thread sanitizer takes what they guard for a race.
 #if defined(__SANITIZE_ADDRESS__)
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() {
@@ -9,6 +9,7 @@ extern "C" const char* __lsan_default_suppressions() {
 #elif defined(__SANITIZE_THREAD__)
 extern "C" const char* __tsan_default_suppressions();
 extern "C" const char* __tsan_default_suppressions() {
-  return "race:libOSMesa.so";
+  return "race:libOSMesa.so\n"
+         "race:libLLVM";
 }
 #endif
