@@ -54,8 +54,8 @@ void scan_block(const TemplateContext& context, const PyramidLevel& level, const
   }
   for (int row = 0; row < kBlock; ++row) {
     std::uint16_t gradient[kBlock + simd::kReadAhead], normal[kBlock + simd::kReadAhead];
-    context.kernels.scan_row(level.plain, (y + row) * level.plain.stride + x, kBlock, features,
-                             count, gradient, normal);
+    context.kernels.search.scan_row(level.plain, (y + row) * level.plain.stride + x, kBlock,
+                                    features, count, gradient, normal);
     std::copy_n(gradient, kBlock, sums.gradient + kBlock * row);
     std::copy_n(normal, kBlock, sums.normal + kBlock * row);
   }
@@ -90,8 +90,8 @@ std::optional<Candidate> nearest_template(const TemplateContext& context, int de
   if (depth == context.model.info().scan_depth) {
     scan_block(context, level, t, scale_q8, x, y, sums);
   } else {
-    context.kernels.match_block_plain(level.plain, x, y, context.model.features(t).data(), t.count,
-                                      scale_q8, sums);
+    context.kernels.search.match_block_plain(level.plain, x, y, context.model.features(t).data(),
+                                             t.count, scale_q8, sums);
   }
   const ScoreScale scale(t.gradient_weight_sum, t.normal_weight_sum);
   for (int i = 0; i < kBlock * kBlock; ++i) {

@@ -5,7 +5,7 @@
 
 #include "pose/ray_pose.hpp"
 #include "search/scale_plan.hpp"
-#include "simd/kernels.hpp"
+#include "simd/kernel_table.hpp"
 
 namespace binpick {
 

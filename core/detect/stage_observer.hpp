@@ -8,7 +8,7 @@
 #include "pose/hypothesis.hpp"
 #include "search/scale_plan.hpp"
 #include "search/search_observer.hpp"
-#include "simd/kernels.hpp"
+#include "simd/kernel_table.hpp"
 
 namespace binpick {
 

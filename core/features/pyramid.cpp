@@ -269,8 +269,8 @@ void FeaturePyramid::find_edges(const simd::KernelTable& kernels, WorkerPool& po
     if (y < 1 || y >= level.height - 1) return;
     std::uint8_t* bits = thin + y * level.plain.stride;
     const std::int32_t threshold = has_depth ? kStrongGradient : kGradientThreshold;
-    kernels.gradient_row(level.gray + y * level.stride, level.stride, level.width,
-                         threshold * threshold, bits);
+    kernels.features.gradient_row(level.gray + y * level.stride, level.stride, level.width,
+                                  threshold * threshold, bits);
     std::uint8_t* steps = level.depth_edges + y * level.stride;
     for (int x = 1; x < level.width - 1; ++x) {
       const DepthStep step = depth_step(depth, x, y, noise);

@@ -12,7 +12,7 @@
 #include "binpick/frame/frame.hpp"
 #include "binpick/model/normal_codebook.hpp"
 #include "features/depth_noise.hpp"
-#include "simd/kernels.hpp"
+#include "simd/kernel_table.hpp"
 
 namespace binpick {
 

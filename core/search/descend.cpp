@@ -49,11 +49,11 @@ int match_children(const DescendContext& context, int depth, const Candidate& pa
         simd::BlockSums sums;
         const int x = 2 * parent.x, y = 2 * parent.y;
         if (context.layout == MapLayout::kRearranged) {
-          context.kernels.match_block_rearranged(level.rearranged, x, y, features.data(), count,
-                                                 scale_q8, sums);
+          context.kernels.search.match_block_rearranged(level.rearranged, x, y, features.data(),
+                                                        count, scale_q8, sums);
         } else {
-          context.kernels.match_block_plain(level.plain, x, y, features.data(), count, scale_q8,
-                                            sums);
+          context.kernels.search.match_block_plain(level.plain, x, y, features.data(), count,
+                                                   scale_q8, sums);
         }
         ++matched;
         const ScoreScale scale(t.gradient_weight_sum, t.normal_weight_sum);

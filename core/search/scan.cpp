@@ -106,9 +106,9 @@ void Scanner::scan_cell_row(int cell_y, CellSpan span, const PyramidLevel& level
   for (int t = 0; t < template_count_; ++t) {
     const Template& tpl = buffers_.templates[static_cast<std::size_t>(t)];
     for (int j = 0; j < 2; ++j) {
-      kernels.scan_row(level.plain, (2 * cell_y + j) * level.plain.stride + x_first, 2 * count,
-                       &buffers_.features[static_cast<std::size_t>(tpl.first)], tpl.count, gradient,
-                       normal);
+      kernels.search.scan_row(level.plain, (2 * cell_y + j) * level.plain.stride + x_first,
+                              2 * count, &buffers_.features[static_cast<std::size_t>(tpl.first)],
+                              tpl.count, gradient, normal);
       std::uint16_t* out = scores + j * row_stride_;
       const ScoreScale scale = tpl.scale;
       for (int x = 0; x < 2 * count; ++x) out[x] = scale.score(gradient[x], normal[x]);

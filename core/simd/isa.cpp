@@ -3,7 +3,7 @@
 #include <hwy/highway.h>
 
 #include "binpick/base/assert.hpp"
-#include "simd/dispatch.hpp"
+#include "simd/kernel_table.hpp"
 
 namespace binpick {
 namespace {
@@ -63,14 +63,12 @@ KernelTable make_kernel_table(Isa isa) {
     }
   }
   if (isa == Isa::kBest || isa == Isa::kScalar) {
-    return {scan_row_scalar, match_block_rearranged_scalar, match_block_plain_scalar,
-            gradient_row_scalar, "scalar"};
+    return {search_kernels_scalar(), feature_kernels_scalar(), isa_name(Isa::kScalar)};
   }
   hwy::ChosenTarget chosen;
   chosen.Update(usable(isa) & -usable(isa));  // the lowest bit is the widest unit
-  KernelTable table = vector_kernels(chosen.GetIndex());
-  table.name = isa_name(isa);
-  return table;
+  const std::size_t target = chosen.GetIndex();
+  return {search_kernels_vector(target), feature_kernels_vector(target), isa_name(isa)};
 }
 
 }  // namespace simd

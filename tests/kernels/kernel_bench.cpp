@@ -37,19 +37,20 @@ void bench(const KernelTable& table, const KernelMaps& maps, const std::vector<F
   const auto x_of = [](int i) { return i / kChildren * 74 % (kWidth - 4) / 2 * 2; };
   const auto y_of = [](int i) { return i / kChildren * 38 % (kHeight - 4) / 2 * 2; };
   const double scan = time_ns(10, [&](int i) {
-    table.scan_row(maps.plain(), i % kHeight * maps.plain().stride, kWidth, scanned.data(),
-                   kFeatures, g.data(), n.data());
+    table.search.scan_row(maps.plain(), i % kHeight * maps.plain().stride, kWidth, scanned.data(),
+                          kFeatures, g.data(), n.data());
   });
   const double rearranged = time_ns(100, [&](int i) {
-    table.match_block_rearranged(maps.rearranged(), x_of(i), y_of(i), features.data(), kFeatures,
-                                 256, sums);
+    table.search.match_block_rearranged(maps.rearranged(), x_of(i), y_of(i), features.data(),
+                                        kFeatures, 256, sums);
   });
   const double plain = time_ns(100, [&](int i) {
-    table.match_block_plain(maps.plain(), x_of(i), y_of(i), features.data(), kFeatures, 256, sums);
+    table.search.match_block_plain(maps.plain(), x_of(i), y_of(i), features.data(), kFeatures, 256,
+                                   sums);
   });
   const double gradient = time_ns(10, [&](int i) {
-    table.gradient_row(maps.plain().gradient + i % kHeight * maps.plain().stride,
-                       maps.plain().stride, kWidth, 1000, bits.data());
+    table.features.gradient_row(maps.plain().gradient + i % kHeight * maps.plain().stride,
+                                maps.plain().stride, kWidth, 1000, bits.data());
   });
   std::printf("%-8s %12.0f %12.0f %12.0f %12.1f %12.0f\n", table.name, scan, plain, rearranged,
               plain / rearranged, gradient);

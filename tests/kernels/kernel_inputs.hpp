@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "simd/kernels.hpp"
+#include "simd/kernel_table.hpp"
 
 namespace binpick::simd {
 

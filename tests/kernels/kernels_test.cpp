@@ -1,6 +1,4 @@
 // Every kernel on every vector unit of this machine against the scalar function, bit for bit.
-#include "simd/kernels.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
@@ -9,6 +7,7 @@
 #include "binpick/base/worker_pool.hpp"
 #include "features/pyramid.hpp"
 #include "kernel_inputs.hpp"
+#include "simd/kernel_table.hpp"
 
 namespace binpick::simd {
 namespace {
@@ -56,9 +55,9 @@ void expect_same_scan(const KernelTable& table, const std::vector<std::uint8_t>&
   const PlainMaps maps{gradient.data() + shift, normal.data() + shift, 0};
   const int count = static_cast<int>(features.size());
   std::vector<std::uint16_t> g(static_cast<std::size_t>(width) + 1), n(g);
-  scan_row_scalar(maps, row, width, features.data(), count, g.data(), n.data());
+  search_kernels_scalar().scan_row(maps, row, width, features.data(), count, g.data(), n.data());
   GuardedSums g_vector(width, shift), n_vector(width, shift + 1);
-  table.scan_row(maps, row, width, features.data(), count, g_vector.first, n_vector.first);
+  table.search.scan_row(maps, row, width, features.data(), count, g_vector.first, n_vector.first);
   const auto sums = static_cast<std::size_t>(width);
   ASSERT_EQ(0, std::memcmp(g.data(), g_vector.first, sums * sizeof(g[0]))) << width << ' ' << shift;
   ASSERT_EQ(0, std::memcmp(n.data(), n_vector.first, sums * sizeof(n[0]))) << width << ' ' << shift;
@@ -92,7 +91,7 @@ TEST_P(Kernels, ScanRowHoldsTheLargestSums) {
   expect_same_scan(table, empty, full, 0, 129, heavy, 0);
   expect_same_scan(table, full, full, 0, 129, scan_features(extreme_features(255, 0, 31), 0), 0);
   GuardedSums g(10, 0), n(10, 0);
-  table.scan_row({full.data(), full.data(), 0}, 0, 10, heavy.data(), 255, g.first, n.first);
+  table.search.scan_row({full.data(), full.data(), 0}, 0, 10, heavy.data(), 255, g.first, n.first);
   EXPECT_EQ(255 * 31, g.first[9]);
   EXPECT_EQ(255 * 31, n.first[9]);
 }
@@ -125,10 +124,12 @@ void expect_same_block(const KernelTable& table, const PlainMaps& plain, const R
   const int count = static_cast<int>(features.size());
   BlockSums expected;
   GuardedBlock specified, rearranged, by_rows;
-  match_block_plain_scalar(plain, x, y, features.data(), count, scale_q8, expected);
-  match_block_rearranged_scalar(map, x, y, features.data(), count, scale_q8, specified.sums);
-  table.match_block_rearranged(map, x, y, features.data(), count, scale_q8, rearranged.sums);
-  table.match_block_plain(plain, x, y, features.data(), count, scale_q8, by_rows.sums);
+  search_kernels_scalar().match_block_plain(plain, x, y, features.data(), count, scale_q8,
+                                            expected);
+  search_kernels_scalar().match_block_rearranged(map, x, y, features.data(), count, scale_q8,
+                                                 specified.sums);
+  table.search.match_block_rearranged(map, x, y, features.data(), count, scale_q8, rearranged.sums);
+  table.search.match_block_plain(plain, x, y, features.data(), count, scale_q8, by_rows.sums);
   ASSERT_TRUE(same_sums(expected, specified.sums)) << x << ' ' << y << ' ' << count;
   ASSERT_TRUE(same_sums(expected, rearranged.sums)) << x << ' ' << y << ' ' << count;
   ASSERT_TRUE(same_sums(expected, by_rows.sums)) << x << ' ' << y << ' ' << count;
@@ -163,7 +164,7 @@ TEST_P(Kernels, BlocksHoldTheLargestSums) {
   const auto heavy = extreme_features(255, 0xFF, 31);
   expect_same_block(table, {full.data(), full.data(), 64}, {aligned, 32}, 8, 8, heavy, 256);
   BlockSums sums;
-  table.match_block_rearranged({aligned, 32}, 8, 8, heavy.data(), 255, 256, sums);
+  table.search.match_block_rearranged({aligned, 32}, 8, 8, heavy.data(), 255, 256, sums);
   EXPECT_EQ(255 * 31, sums.gradient[15]);
   EXPECT_EQ(255 * 31, sums.normal[0]);
 }
@@ -193,7 +194,7 @@ TEST_P(Kernels, BlocksAgreeOnAPyramidOfRandomImages) {
       for (int x = 0; x + 4 <= level.width; x += 2) {
         expect_same_block(table, level.plain, level.rearranged, x, y, features, 256);
         BlockSums sums;
-        table.match_block_rearranged(level.rearranged, x, y, features.data(), 50, 256, sums);
+        table.search.match_block_rearranged(level.rearranged, x, y, features.data(), 50, 256, sums);
         matched += sums.gradient[0] + sums.normal[0];
       }
     }
@@ -207,8 +208,9 @@ void expect_same_gradients(const KernelTable& table, const std::vector<std::uint
   const auto size = static_cast<std::size_t>(kGuard + shift + width + kGuard);
   std::vector<std::uint8_t> expected(size, 0xC3), found(size, 0xC3);
   const std::uint8_t* row = image.data() + shift + stride;
-  gradient_row_scalar(row, stride, width, threshold_squared, expected.data() + kGuard + shift);
-  table.gradient_row(row, stride, width, threshold_squared, found.data() + kGuard + shift);
+  feature_kernels_scalar().gradient_row(row, stride, width, threshold_squared,
+                                        expected.data() + kGuard + shift);
+  table.features.gradient_row(row, stride, width, threshold_squared, found.data() + kGuard + shift);
   ASSERT_EQ(expected, found) << "width " << width << ", shift " << shift;
 }
 

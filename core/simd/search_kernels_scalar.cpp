@@ -1,13 +1,13 @@
 #include <algorithm>
 
-#include "simd/gradient_bit.hpp"
-#include "simd/kernels.hpp"
+#include "simd/search_kernels.hpp"
 
 namespace binpick::simd {
+namespace {
 
-void scan_row_scalar(const PlainMaps& maps, std::ptrdiff_t row_offset, int width,
-                     const ScanFeature* features, int count, std::uint16_t* gradient_sums,
-                     std::uint16_t* normal_sums) {
+void scan_row(const PlainMaps& maps, std::ptrdiff_t row_offset, int width,
+              const ScanFeature* features, int count, std::uint16_t* gradient_sums,
+              std::uint16_t* normal_sums) {
   std::fill_n(gradient_sums, width, std::uint16_t{0});
   std::fill_n(normal_sums, width, std::uint16_t{0});
   for (int i = 0; i < count; ++i) {
@@ -23,8 +23,8 @@ void scan_row_scalar(const PlainMaps& maps, std::ptrdiff_t row_offset, int width
   }
 }
 
-void match_block_rearranged_scalar(const RearrangedMap& map, int x, int y, const Feature* features,
-                                   int count, int scale_q8, BlockSums& out) {
+void match_block_rearranged(const RearrangedMap& map, int x, int y, const Feature* features,
+                            int count, int scale_q8, BlockSums& out) {
   out = BlockSums{};
   const std::uint8_t* origin = map.blocks + (y / 2 * map.stride_blocks + x / 2) * kBlockBytes;
   for (int i = 0; i < count; ++i) {
@@ -41,8 +41,8 @@ void match_block_rearranged_scalar(const RearrangedMap& map, int x, int y, const
   }
 }
 
-void match_block_plain_scalar(const PlainMaps& maps, int x, int y, const Feature* features,
-                              int count, int scale_q8, BlockSums& out) {
+void match_block_plain(const PlainMaps& maps, int x, int y, const Feature* features, int count,
+                       int scale_q8, BlockSums& out) {
   out = BlockSums{};
   for (int i = 0; i < count; ++i) {
     const Feature& f = features[i];
@@ -58,14 +58,10 @@ void match_block_plain_scalar(const PlainMaps& maps, int x, int y, const Feature
   }
 }
 
-void gradient_row_scalar(const std::uint8_t* row, std::ptrdiff_t stride, int width,
-                         std::int32_t threshold_squared, std::uint8_t* bits) {
-  for (int x = 1; x + 1 < width; ++x) {
-    const std::uint8_t *a = row - stride + x, *b = row + x, *c = row + stride + x;
-    const std::int32_t gx = (a[1] + 2 * b[1] + c[1]) - (a[-1] + 2 * b[-1] + c[-1]);
-    const std::int32_t gy = (c[-1] + 2 * c[0] + c[1]) - (a[-1] + 2 * a[0] + a[1]);
-    bits[x] = gx * gx + gy * gy < threshold_squared ? std::uint8_t{0} : gradient_bit(gx, gy);
-  }
+}  // namespace
+
+SearchKernels search_kernels_scalar() {
+  return {scan_row, match_block_rearranged, match_block_plain};
 }
 
 }  // namespace binpick::simd

@@ -1,13 +1,12 @@
-// The integer kernels of the search. Each exists as a scalar function, which is the specification
-// and ships, and as one Highway source compiled for every vector unit; all give the same bits. A
-// KernelTable is made once, when a detector is set up, and handed down.
+// The integer kernels of the search (paper section III-C). Each exists as a scalar function, which
+// is the specification and ships, and as one Highway source compiled for every vector unit; all
+// give the same bits.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
 #include "binpick/model/object_model.hpp"
-#include "binpick/simd/isa.hpp"
 
 namespace binpick::simd {
 
@@ -68,32 +67,15 @@ using MatchBlockRearrangedFn = void (*)(const RearrangedMap& map, int x, int y,
 using MatchBlockPlainFn = void (*)(const PlainMaps& maps, int x, int y, const Feature* features,
                                    int count, int scale_q8, BlockSums& out);
 
-// Orientation bits of one row of an 8-bit image: 3x3 Sobel, quantized by gradient_bit(); 0 where
-// gx^2 + gy^2 < threshold_squared. Writes bits[1 .. width-2]; reads rows[-stride .. stride +
-// width).
-using GradientRowFn = void (*)(const std::uint8_t* row, std::ptrdiff_t stride, int width,
-                               std::int32_t threshold_squared, std::uint8_t* bits);
-
-struct KernelTable {
+struct SearchKernels {
   ScanRowFn scan_row;
   MatchBlockRearrangedFn match_block_rearranged;
   MatchBlockPlainFn match_block_plain;
-  GradientRowFn gradient_row;
-  const char* name;  // of the vector unit in use
 };
 
-// `isa` must be supported by this machine.
-KernelTable make_kernel_table(Isa isa);
-
 // The specification.
-void scan_row_scalar(const PlainMaps& maps, std::ptrdiff_t row_offset, int width,
-                     const ScanFeature* features, int count, std::uint16_t* gradient_sums,
-                     std::uint16_t* normal_sums);
-void match_block_rearranged_scalar(const RearrangedMap& map, int x, int y, const Feature* features,
-                                   int count, int scale_q8, BlockSums& out);
-void match_block_plain_scalar(const PlainMaps& maps, int x, int y, const Feature* features,
-                              int count, int scale_q8, BlockSums& out);
-void gradient_row_scalar(const std::uint8_t* row, std::ptrdiff_t stride, int width,
-                         std::int32_t threshold_squared, std::uint8_t* bits);
+SearchKernels search_kernels_scalar();
+// Compiled for one vector unit; `target_index`: position in Highway's dispatch tables.
+SearchKernels search_kernels_vector(std::size_t target_index);
 
 }  // namespace binpick::simd
