@@ -24,9 +24,13 @@ struct PixelRange {
 };
 inline PixelRange pixels_of(const Roi& roi, int width, int height) {
   if (roi.whole_image()) return {0, 0, width, height};
+  const auto end = [](int begin, int size, int image_size) {
+    const long long beyond = static_cast<long long>(begin) + size;  // more than an int, perhaps
+    return static_cast<int>(std::clamp<long long>(beyond, 0, image_size));
+  };
   const int x0 = std::clamp(roi.x, 0, width), y0 = std::clamp(roi.y, 0, height);
-  return {x0, y0, std::clamp(roi.x + roi.width, x0, width),
-          std::clamp(roi.y + roi.height, y0, height)};
+  return {x0, y0, std::max(x0, end(roi.x, roi.width, width)),
+          std::max(y0, end(roi.y, roi.height, height))};
 }
 
 // No measurement is 0; NaN, infinite and negative values are read as no measurement too.
