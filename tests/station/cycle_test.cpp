@@ -111,17 +111,20 @@ TEST(Cycle, AReloadChangesTheImagesLookedAt) {
 }
 
 TEST(Cycle, EveryCauseIsReached) {
-  std::set<Cause> reached = {Cause::kBusy};  // of the control socket: daemon/handshake_test.py
+  std::set<Cause> reached;
   StationBench bench;
   bench.config.station.deadline_min_ms = 5;
-  const auto expect = [&](Cause cause, const CycleResult& r) {
+  const auto expect_cause = [&](Cause cause, const CycleResult& r) {
     EXPECT_EQ(cause, r.cause) << cause_name(r.cause);
-    reached.insert(r.cause);
+    if (cause == r.cause) reached.insert(cause);
+  };
+  const auto expect = [&](Cause cause, const CycleResult& r) {
+    expect_cause(cause, r);
     if (!is_done(cause)) {
       EXPECT_TRUE(r.picks.empty()) << cause_name(cause);
     }
   };
-  reached.insert(bench.cycle().result().cause);  // no result yet
+  expect(Cause::kNoResult, bench.cycle().result());
   expect(Cause::kNothingToPage, bench.run(OrderCode::kNextPage));
   expect(Cause::kNothingCaptured, bench.run(OrderCode::kProcess));
   expect(Cause::kDone, bench.run(OrderCode::kDetect));
@@ -157,8 +160,7 @@ TEST(Cycle, EveryCauseIsReached) {
   expect(Cause::kInFault, bench.run(OrderCode::kDetect));
   EXPECT_EQ(Cause::kDone, bench.run(OrderCode::kClearFault).cause);
   EXPECT_EQ(Cause::kDone, bench.run(OrderCode::kDetect).cause);
-  reached.insert(Cause::kPageUnknown);
-  EXPECT_EQ(Cause::kPageUnknown, bench.run(order_of(OrderCode::kPage, &Order::page, 2)).cause);
+  expect_cause(Cause::kPageUnknown, bench.run(order_of(OrderCode::kPage, &Order::page, 2)));
   EXPECT_EQ(3u, bench.cycle().result().picks.size()) << "a page that is not there changes nothing";
 
   settings.pose_frame = PoseFrame::kBase;
@@ -171,6 +173,7 @@ TEST(Cycle, EveryCauseIsReached) {
   for (const auto& known : modbus::map::kCauseNames) {
     const auto cause = static_cast<Cause>(known.value);
     if (cause == Cause::kCutShort) continue;  // Cycle.TheBestPicksSoFarComeAtTheDeadline
+    if (cause == Cause::kBusy) continue;      // the control socket's own: daemon/handshake_test.py
     EXPECT_TRUE(reached.contains(cause)) << known.name;
   }
 }
