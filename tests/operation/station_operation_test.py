@@ -11,7 +11,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 from pathlib import Path
@@ -154,33 +153,25 @@ class Operation(unittest.TestCase):
         self.assertIn("8 answers the same, 0 differ, 5 not comparable", done.stdout)
 
     def test_cycles_that_were_cut_short_are_told_by_number(self):
-        # Only frames with picks: others cannot end between the first pick and the last.
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        frames = shutil.copytree(sp.SAMPLE, Path(folder.name, "tees"),
-                                 ignore=shutil.ignore_patterns("00000[2-4]"))
-        station = self.start(ALWAYS, frames=frames)
-        whole_ms = max(self.detect(station)["times_ms"]["total"] for _ in range(3))
-        cut = None
-        for percent in range(95, 5, -2):  # how long it takes depends on the machine
-            answer = station.ask(f"detect deadline_ms={max(1, int(whole_ms * percent / 100))}")
-            if answer["cause_name"] == "cut_short":
-                cut = answer["cycle"]
-                break
-        if cut is None:
-            self.skipTest("no deadline came between the first and the last verified pick")
-        station.ask("page 1")
-        self.detect(station)
-        self.wait_for_lines(station, cut + 2)
+        station = self.start(ALWAYS)
+        for order in ("detect", "detect", "page 1", "detect"):
+            station.ask(order)
+        lines = self.wait_for_lines(station, 4)
         station.stop()
         (recording,) = self.recordings(station)
+        # As a deadline leaves it. When one comes depends on the machine: that it gives this cause
+        # is tested with a clock of its own (station/cycle_test).
+        lines[1]["cause"] = lines[1]["answer"][sp.CAUSE] = 2
+        (recording / "cycles.jsonl").write_text(
+            "".join(json.dumps(line) + "\n" for line in lines))
         for arguments in ((recording,), (recording, "--quiet")):
             done = self.replay(*arguments)
             self.assertEqual(done.returncode, 0, done.stdout)
-            self.assertIn(f"not comparable: cycle {cut}: cut_short\n", done.stdout)
-            self.assertIn(f"not comparable: cycle {cut}, page: what came before it", done.stdout)
-            self.assertRegex(done.stdout,
-                             r"(?m)^\d+ answers the same, 0 differ, \d+ not comparable$")
+            self.assertEqual(done.stdout,
+                             "not comparable: cycle 2: cut_short\n"
+                             "not comparable: cycle 2, page: what came before it is not in the "
+                             "recording, or was not comparable\n"
+                             "2 answers the same, 0 differ, 2 not comparable\n")
 
     def test_what_is_in_effect_is_recorded_whatever_the_files_say(self):
         station = self.start(ALWAYS)
