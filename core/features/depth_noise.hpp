@@ -8,6 +8,7 @@
 
 #include "binpick/base/worker_pool.hpp"
 #include "binpick/frame/image_view.hpp"
+#include "simd/feature_kernels.hpp"
 
 namespace binpick {
 
@@ -20,14 +21,14 @@ struct DepthNoise {
   static double mm(double of_inverse, double depth_mm) { return of_inverse * depth_mm * depth_mm; }
 };
 
-inline constexpr int kNoiseTilePx = 24;
 // How many entries `scratch` needs for an image.
 inline int noise_scratch_size(int width, int height) {
-  return 2 * (width / kNoiseTilePx) * (height / kNoiseTilePx);
+  return 2 * (width / simd::kNoiseTilePx) * (height / simd::kNoiseTilePx);
 }
 
 // The same bits on any number of threads.
-DepthNoise estimate_depth_noise(ImageView<const float> depth_mm, std::span<float> scratch,
+DepthNoise estimate_depth_noise(ImageView<const float> depth_mm,
+                                const simd::FeatureKernels& kernels, std::span<float> scratch,
                                 WorkerPool& pool);
 
 }  // namespace binpick

@@ -6,13 +6,8 @@
 namespace binpick {
 namespace {
 
-// The cell that faces the camera ends at this tilt; chosen so that the eight cells of a convex part
-// cover about the same projected area (sin^2 = 1/8).
-constexpr float kFacingTiltSin = 0.354f;
-// Around that tilt the histogram weight passes linearly from the facing cell to the ring.
+// Around kFacingTiltSin the histogram weight passes linearly from the facing cell to the ring.
 constexpr float kFacingBlend = 0.10f;
-// Below this tilt an azimuth is noise: the paper's codebook gives no orientation.
-constexpr float kAzimuthTiltSinMin = 0.05f;
 
 // Weights of the two bins around position `p` (in bins) on a ring of `bins` bins that starts at
 // `first`.
@@ -49,19 +44,6 @@ SoftBins soft_normal_bins(NormalCodebook codebook, float tilt_sin, float azimuth
   }
   if (ring > 0) ring_bins(turn * 7, 7, 1, ring, out);
   return out;
-}
-
-std::uint8_t normal_bit(NormalCodebook codebook, float nx, float ny) {
-  const float tilt_sin2 = nx * nx + ny * ny;
-  const float turn = std::atan2(ny, nx) / (2 * std::numbers::pi_v<float>);
-  if (codebook == NormalCodebook::kAzimuth) {
-    if (tilt_sin2 < kAzimuthTiltSinMin * kAzimuthTiltSinMin) return 0;
-    const int i = static_cast<int>(std::floor(turn * 8 + 0.5f)) & 7;
-    return static_cast<std::uint8_t>(1u << i);
-  }
-  if (tilt_sin2 < kFacingTiltSin * kFacingTiltSin) return 1;
-  const int i = (static_cast<int>(std::floor(turn * 7 + 0.5f)) + 7) % 7;
-  return static_cast<std::uint8_t>(1u << (1 + i));
 }
 
 }  // namespace binpick

@@ -8,6 +8,7 @@
 
 #include "binpick/model/normal_codebook.hpp"
 #include "simd/gradient_bit.hpp"
+#include "simd/normal_bit.hpp"
 
 namespace binpick {
 
@@ -27,10 +28,8 @@ struct SoftBins {
 // (image axes).
 SoftBins soft_gradient_bins(float angle_rad);
 
-// Normals are given in the frame of their own viewing ray (z along the ray), by the components (nx,
-// ny) of the unit normal; the third one points at the camera. The soft bins take them as tilt and
+// Normals are in the frame of their own viewing ray (z along the ray). They are given by tilt and
 // azimuth, so that a roll of the image only adds to the azimuth.
 SoftBins soft_normal_bins(NormalCodebook codebook, float tilt_sin, float azimuth_rad);
-std::uint8_t normal_bit(NormalCodebook codebook, float nx, float ny);
 
 }  // namespace binpick

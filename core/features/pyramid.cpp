@@ -1,12 +1,9 @@
 #include "features/pyramid.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 
 #include "binpick/base/arena_plan.hpp"
-#include "features/orientation.hpp"
-#include "features/surface_slope.hpp"
 
 namespace binpick {
 namespace {
@@ -17,7 +14,7 @@ constexpr std::int32_t kGradientThreshold = 90;
 // Where there is depth to show the outlines, only strong edges of the intensity are taken:
 // textures, scratches and threads answer to the weaker threshold nearly everywhere.
 constexpr std::int32_t kStrongGradient = 120;
-// Rows that one task works on.
+// Blocks' rows that one task rearranges.
 constexpr int kRowsPerTask = 16;
 
 std::ptrdiff_t map_stride(const PyramidPlan& plan, int l) {
@@ -30,40 +27,16 @@ std::ptrdiff_t image_stride(const PyramidPlan& plan, int l) {
   return ((plan.width_max >> l) + 15) / 16 * 16;
 }
 
-template <class RowFn>
-void for_rows(WorkerPool& pool, int height, RowFn&& fn) {
-  const int tasks = (height + kRowsPerTask - 1) / kRowsPerTask;
-  pool.parallel_for(tasks, [&](int task, int) {
-    for (int y = task * kRowsPerTask; y < std::min(height, (task + 1) * kRowsPerTask); ++y) fn(y);
-  });
-}
-
-// Depth of four pixels as one: the mean of the nearer surface, unless only one pixel shows it.
-float merged_depth(const float (&z)[4]) {
-  float nearest = 0;
-  int valid = 0;
-  for (float v : z) {
-    if (!(v > 0)) continue;
-    nearest = valid == 0 ? v : std::min(nearest, v);
-    ++valid;
-  }
-  if (valid < 2) return 0;
-  const float limit = nearest * (1 + kSameSurfaceRatio);
-  float near_sum = 0, far_sum = 0;
-  int near_count = 0, far_count = 0;
-  for (float v : z) {
-    if (!(v > 0)) continue;
-    (v <= limit ? near_sum : far_sum) += v;
-    ++(v <= limit ? near_count : far_count);
-  }
-  if (near_count >= 2 || far_count < 2) return near_sum / static_cast<float>(near_count);
-  return far_sum / static_cast<float>(far_count);
-}
-
 template <class Source>
 std::span<float> take_noise_scratch(const PyramidPlan& plan, Source& source) {
   return source.template take<float>(static_cast<std::size_t>(
       noise_scratch_size(plan.width_max >> kFeatureLevel, plan.height_max >> kFeatureLevel)));
+}
+
+template <class Source>
+std::span<std::uint8_t> take_thin_edges(const PyramidPlan& plan, Source& source) {
+  return source.template take<std::uint8_t>(static_cast<std::size_t>(
+      image_stride(plan, kFeatureLevel) * (plan.height_max >> kFeatureLevel)));
 }
 
 struct LevelMemory {
@@ -77,11 +50,13 @@ LevelMemory take_level(const PyramidPlan& plan, int l, Source& source) {
   LevelMemory m;
   const auto pixels = static_cast<std::size_t>(image_stride(plan, l) * (plan.height_max >> l));
   const auto map = static_cast<std::size_t>(map_stride(plan, l) * map_rows(plan, l));
-  m.gray = source.template take<std::uint8_t>(pixels);
   m.depth = source.template take<float>(pixels);
-  m.nx = source.template take<float>(pixels);
-  m.ny = source.template take<float>(pixels);
-  m.valid = source.template take<std::uint8_t>(pixels);
+  if (l <= kFeatureLevel) m.gray = source.template take<std::uint8_t>(pixels);
+  if (l >= kFeatureLevel) {
+    m.nx = source.template take<float>(pixels);
+    m.ny = source.template take<float>(pixels);
+    m.valid = source.template take<std::uint8_t>(pixels);
+  }
   if (l == kFeatureLevel) m.depth_edges = source.template take<std::uint8_t>(pixels);
   m.gradient = source.template take<std::uint8_t>(map);
   m.normal = source.template take<std::uint8_t>(map);
@@ -97,12 +72,15 @@ LevelMemory take_level(const PyramidPlan& plan, int l, Source& source) {
 std::size_t FeaturePyramid::footprint(const PyramidPlan& plan) {
   ArenaPlan counted;
   take_noise_scratch(plan, counted);
+  take_thin_edges(plan, counted);
   for (int l = 0; l < plan.level_count; ++l) take_level(plan, l, counted);
   return counted.bytes;
 }
 
 FeaturePyramid::FeaturePyramid(const PyramidPlan& plan, Arena& arena)
-    : plan_(plan), noise_scratch_(take_noise_scratch(plan, arena)) {
+    : plan_(plan),
+      thin_edges_(take_thin_edges(plan, arena)),
+      noise_scratch_(take_noise_scratch(plan, arena)) {
   BINPICK_ASSERT(plan.level_count > kFeatureLevel && plan.level_count <= kPyramidLevelsMax &&
                  plan.border % 4 == 0);
   for (int l = 0; l < plan.level_count; ++l) {
@@ -116,24 +94,42 @@ FeaturePyramid::FeaturePyramid(const PyramidPlan& plan, Arena& arena)
     level.depth_edges = m.depth_edges.data();
     level.stride = image_stride(plan, l);
     level.border = plan.border;
-    gradient_maps_[l] = m.gradient.data();
-    normal_maps_[l] = m.normal.data();
-    block_maps_[l] = m.blocks.data();
-    map_bytes_[l] = m.gradient.size();
-    const std::ptrdiff_t stride = map_stride(plan, l), origin = plan.border * stride + plan.border;
-    level.plain = {gradient_maps_[l] + origin, normal_maps_[l] + origin, stride};
+    maps_[l] = {m.gradient, m.normal, m.blocks};
+    level.plain.stride = map_stride(plan, l);
+    level.plain.gradient = gradient_row(l, 0);
+    level.plain.normal = normal_row(l, 0);
     if (plan.rearranged_from_level[l]) {
-      const std::ptrdiff_t stride_blocks = stride / 2;
+      const std::ptrdiff_t stride_blocks = level.plain.stride / 2;
       level.rearranged = {
-          block_maps_[l] + (plan.border / 2 * stride_blocks + plan.border / 2) * simd::kBlockBytes,
+          m.blocks.data() + plan.border / 2 * (stride_blocks + 1) * simd::kBlockBytes,
           stride_blocks};
     }
   }
 }
 
 void FeaturePyramid::build(const Frame& frame, const Roi& region, NormalCodebook codebook,
-                           const simd::KernelTable& kernels, WorkerPool& pool) {
+                           const simd::KernelTable& kernels, WorkerPool& pool, int finest_map) {
+  finest_map_ = finest_map;
+  place_levels(frame, region);
+  const int strips = region.height >> (plan_.level_count - 1);
+  pool.parallel_for(strips, [&](int s, int) { load_strip(s, frame, kernels.features); });
+  const PyramidLevel& fitted = levels_[kFeatureLevel];
+  depth_noise_ = estimate_depth_noise({fitted.depth_mm, fitted.width, fitted.height, fitted.stride},
+                                      kernels.features, noise_scratch_, pool);
+  pool.parallel_for(strips, [&](int s, int) { find_features(s, kernels.features); });
+  clear_moved_maps();
+  pool.parallel_for(strips, [&](int s, int) { fill_maps(s, codebook, kernels.features); });
+  for (int l = finest_map; l < plan_.level_count; ++l) {
+    if (plan_.rearranged_from_level[l]) rearrange(l, pool);
+  }
+}
+
+void FeaturePyramid::place_levels(const Frame& frame, const Roi& region) {
+  const int aligned = 1 << (plan_.level_count - 1);
+  BINPICK_ASSERT(region.width % aligned == 0 && region.height % aligned == 0 &&
+                 region.width <= plan_.width_max && region.height <= plan_.height_max);
   with_intensity_ = frame.intensity.width > 0;
+  depth_valid_ = !frame.depth_mm.empty();
   region_ = region;
   for (int l = 0; l < plan_.level_count; ++l) {
     PyramidLevel& level = levels_[l];
@@ -146,202 +142,176 @@ void FeaturePyramid::build(const Frame& frame, const Roi& region, NormalCodebook
     cropped.cy -= region.y;
     level.camera = cropped.at_level(l);
   }
-  depth_valid_ = !frame.depth_mm.empty();
-  copy_level_zero(frame, pool);
-  for (int l = 1; l < plan_.level_count; ++l) halve(l, pool);
-  const PyramidLevel& fitted = levels_[kFeatureLevel];
-  depth_noise_ = estimate_depth_noise({fitted.depth_mm, fitted.width, fitted.height, fitted.stride},
-                                      noise_scratch_, pool);
-  fit_normals(pool);
-  for (int l = kFeatureLevel + 1; l < plan_.level_count; ++l) pool_normals(l, pool);
-  for (int l = 0; l < plan_.level_count; ++l) {
-    std::memset(gradient_maps_[l], 0, map_bytes_[l]);
-    std::memset(normal_maps_[l], 0, map_bytes_[l]);
-  }
-  find_edges(kernels, pool);
-  for (int l = kFeatureLevel - 1; l >= 0; --l) carry_edges(l, pool);
-  for (int l = kFeatureLevel + 1; l < plan_.level_count; ++l) carry_edges(l, pool);
-  for (int l = 0; l < plan_.level_count; ++l) {
-    quantize_normals(l, codebook, pool);
-    if (plan_.rearranged_from_level[l]) rearrange(l, pool);
-  }
 }
 
-void FeaturePyramid::copy_level_zero(const Frame& frame, WorkerPool& pool) {
-  PyramidLevel& level = levels_[0];
-  for_rows(pool, level.height, [&](int y) {
-    std::uint8_t* gray = level.gray + y * level.stride;
-    float* depth = level.depth_mm + y * level.stride;
-    std::fill_n(gray, level.width, std::uint8_t{0});
-    std::fill_n(depth, level.width, 0.0f);
-    const int row = region_.y + y;
-    if (row < frame.intensity.height) {
-      const int width = std::min(level.width, frame.intensity.width - region_.x);
-      std::copy_n(frame.intensity.row(row) + region_.x, width, gray);
-    }
-    if (row < frame.depth_mm.height) {
-      const int width = std::min(level.width, frame.depth_mm.width - region_.x);
-      const float* from = frame.depth_mm.row(row) + region_.x;
-      // NaN, infinite and negative values mean no measurement.
-      for (int x = 0; x < width; ++x) depth[x] = from[x] > 0 && from[x] < 1e6f ? from[x] : 0.0f;
-    }
-  });
+simd::NormalRow FeaturePyramid::normals(int l, int y) const {
+  const PyramidLevel& level = levels_[l];
+  const std::ptrdiff_t at = y * level.stride;
+  return {level.normal_x + at, level.normal_y + at, level.normal_valid + at};
 }
 
-void FeaturePyramid::halve(int to, WorkerPool& pool) {
-  const PyramidLevel& fine = levels_[to - 1];
-  PyramidLevel& coarse = levels_[to];
-  for_rows(pool, coarse.height, [&](int y) {
-    const std::uint8_t* g0 = fine.gray + 2 * y * fine.stride;
-    const std::uint8_t* g1 = g0 + fine.stride;
-    const float* z0 = fine.depth_mm + 2 * y * fine.stride;
-    const float* z1 = z0 + fine.stride;
-    std::uint8_t* gray = coarse.gray + y * coarse.stride;
-    float* depth = coarse.depth_mm + y * coarse.stride;
-    for (int x = 0; x < coarse.width; ++x) {
-      gray[x] = static_cast<std::uint8_t>(
-          (g0[2 * x] + g0[2 * x + 1] + g1[2 * x] + g1[2 * x + 1] + 2) >> 2);
-      depth[x] = merged_depth({z0[2 * x], z0[2 * x + 1], z1[2 * x], z1[2 * x + 1]});
-    }
-  });
-}
-
-void FeaturePyramid::fit_normals(WorkerPool& pool) {
-  PyramidLevel& level = levels_[kFeatureLevel];
-  const ImageView<const float> depth{level.depth_mm, level.width, level.height, level.stride};
-  for_rows(pool, level.height, [&](int y) {
-    float* nx = level.normal_x + y * level.stride;
-    float* ny = level.normal_y + y * level.stride;
-    std::uint8_t* valid = level.normal_valid + y * level.stride;
-    for (int x = 0; x < level.width; ++x) {
-      const bool inside = x >= 2 && y >= 2 && x < level.width - 2 && y < level.height - 2;
-      const RayNormal n = inside ? fit_ray_normal(depth, level.camera, x, y) : RayNormal{};
-      nx[x] = n.x;
-      ny[x] = n.y;
-      valid[x] = n.valid;
-    }
-  });
-  PyramidLevel& fine = levels_[0];
-  for_rows(pool, fine.height, [&](int y) {
-    const std::ptrdiff_t from = std::min(y / 2, level.height - 1) * level.stride;
-    for (int x = 0; x < fine.width; ++x) {
-      const std::ptrdiff_t i = from + std::min(x / 2, level.width - 1), o = y * fine.stride + x;
-      fine.normal_x[o] = level.normal_x[i];
-      fine.normal_y[o] = level.normal_y[i];
-      fine.normal_valid[o] = level.normal_valid[i] && fine.depth_mm[o] > 0;
-    }
-  });
-}
-
-void FeaturePyramid::pool_normals(int to, WorkerPool& pool) {
-  const PyramidLevel& fine = levels_[to - 1];
-  PyramidLevel& coarse = levels_[to];
-  for_rows(pool, coarse.height, [&](int y) {
-    for (int x = 0; x < coarse.width; ++x) {
-      const std::ptrdiff_t i = 2 * y * fine.stride + 2 * x;
-      float sx = 0, sy = 0;
-      int count = 0;
-      for (const std::ptrdiff_t k : {i, i + 1, i + fine.stride, i + fine.stride + 1}) {
-        if (!fine.normal_valid[k]) continue;
-        sx += fine.normal_x[k];
-        sy += fine.normal_y[k];
-        ++count;
+// The pixels of the frame, and halved ones.
+void FeaturePyramid::load_strip(int strip, const Frame& frame,
+                                const simd::FeatureKernels& kernels) {
+  const Rows rows = rows_of(strip, 0);
+  for (int y = rows.first; y < rows.end; ++y) copy_row(y, frame);
+  for (int l = 1; l < plan_.level_count; ++l) {
+    const PyramidLevel &fine = levels_[l - 1], &coarse = levels_[l];
+    const Rows halved = rows_of(strip, l);
+    for (int y = halved.first; y < halved.end; ++y) {
+      kernels.halve_row(fine.depth_mm + 2 * y * fine.stride, fine.stride, coarse.width,
+                        coarse.depth_mm + y * coarse.stride);
+      if (l > kFeatureLevel) continue;
+      const std::uint8_t *a = fine.gray + 2 * y * fine.stride, *b = a + fine.stride;
+      std::uint8_t* gray = coarse.gray + y * coarse.stride;
+      for (int x = 0; x < coarse.width; ++x) {
+        gray[x] =
+            static_cast<std::uint8_t>((a[2 * x] + a[2 * x + 1] + b[2 * x] + b[2 * x + 1] + 2) >> 2);
       }
-      const std::ptrdiff_t o = y * coarse.stride + x;
-      coarse.normal_valid[o] = count >= 2;
-      coarse.normal_x[o] = count > 0 ? sx / static_cast<float>(count) : 0;
-      coarse.normal_y[o] = count > 0 ? sy / static_cast<float>(count) : 0;
     }
-  });
+  }
 }
 
-void FeaturePyramid::find_edges(const simd::KernelTable& kernels, WorkerPool& pool) {
+void FeaturePyramid::copy_row(int y, const Frame& frame) {
+  PyramidLevel& level = levels_[0];
+  std::uint8_t* gray = level.gray + y * level.stride;
+  float* depth = level.depth_mm + y * level.stride;
+  const int row = region_.y + y;
+  const auto columns = [&](int width, int height) {
+    return row < height ? std::clamp(width - region_.x, 0, level.width) : 0;
+  };
+  int width = columns(frame.intensity.width, frame.intensity.height);
+  if (width > 0) std::copy_n(frame.intensity.row(row) + region_.x, width, gray);
+  std::fill(gray + width, gray + level.width, std::uint8_t{0});
+  width = columns(frame.depth_mm.width, frame.depth_mm.height);
+  // NaN, infinite and negative values mean no measurement.
+  const float* from = width > 0 ? frame.depth_mm.row(row) + region_.x : nullptr;
+  for (int x = 0; x < width; ++x) {
+    const bool measured = from[x] >= simd::kDepthMin_mm && from[x] < simd::kDepthMax_mm;
+    depth[x] = measured ? from[x] : 0.0f;
+  }
+  std::fill(depth + width, depth + level.width, 0.0f);
+}
+
+// Normals, and thin edges of intensity and depth, of kFeatureLevel. Rows and columns at the rim,
+// where the neighbours are missing, have none.
+void FeaturePyramid::find_features(int strip, const simd::FeatureKernels& kernels) {
   const PyramidLevel& level = levels_[kFeatureLevel];
   const ImageView<const float> depth{level.depth_mm, level.width, level.height, level.stride};
-  // The thin edges go to the normal map's memory, which is filled later; the spread ones to their
-  // place.
-  std::uint8_t* thin =
-      normal_maps_[kFeatureLevel] + (level.plain.normal - normal_maps_[kFeatureLevel]);
-  const bool has_depth = depth_valid_;
+  const std::int32_t threshold = depth_valid_ ? kStrongGradient : kGradientThreshold;
   const auto noise = static_cast<float>(depth_noise_.of_neighbours);
-  std::memset(level.depth_edges, 0, static_cast<std::size_t>(level.stride * level.height));
-  for_rows(pool, level.height, [&](int y) {
-    if (y < 1 || y >= level.height - 1) return;
-    std::uint8_t* bits = thin + y * level.plain.stride;
-    const std::int32_t threshold = has_depth ? kStrongGradient : kGradientThreshold;
-    kernels.features.gradient_row(level.gray + y * level.stride, level.stride, level.width,
-                                  threshold * threshold, bits);
-    std::uint8_t* steps = level.depth_edges + y * level.stride;
-    for (int x = 1; x < level.width - 1; ++x) {
-      const DepthStep step = depth_step(depth, x, y, noise);
-      if (!step.edge) continue;
-      steps[x] = gradient_bit(static_cast<std::int32_t>(step.gx * 1024),
-                              static_cast<std::int32_t>(step.gy * 1024));
-      bits[x] = static_cast<std::uint8_t>(bits[x] | steps[x]);
-    }
-  });
-  // Measured outlines are off by a pixel or two: spread each to its neighbours.
-  std::uint8_t* map = gradient_map(kFeatureLevel);
-  const std::ptrdiff_t stride = level.plain.stride;
-  for_rows(pool, level.height, [&](int y) {
-    for (int x = 0; x < level.width; ++x) {
-      const std::uint8_t* t = thin + y * stride + x;
-      map[y * stride + x] = static_cast<std::uint8_t>(t[0] | t[-1] | t[1] | t[-stride] | t[stride]);
-    }
-  });
-}
-
-// Orientation bits of a level from those of the feature level: repeated below it, collected above
-// it.
-void FeaturePyramid::carry_edges(int l, WorkerPool& pool) {
-  const PyramidLevel& level = levels_[l];
-  std::uint8_t* map = gradient_map(l);
-  if (l < kFeatureLevel) {
-    const PyramidLevel& from = levels_[l + 1];
-    for_rows(pool, level.height, [&](int y) {
-      const std::uint8_t* row = from.plain.gradient + y / 2 * from.plain.stride;
-      for (int x = 0; x < level.width; ++x) map[y * level.plain.stride + x] = row[x / 2];
-    });
-    return;
+  const auto clear_rim = [&](int y, int rim, auto* row) {
+    const bool inside = y >= rim && y < level.height - rim && level.width > 2 * rim;
+    std::fill_n(row, inside ? rim : level.width, 0);
+    std::fill_n(row + level.width - rim, inside ? rim : 0, 0);
+    return inside;
+  };
+  const Rows rows = rows_of(strip, kFeatureLevel);
+  for (int y = rows.first; y < rows.end; ++y) {
+    const simd::NormalRow n = normals(kFeatureLevel, y);
+    clear_rim(y, 2, n.x);
+    clear_rim(y, 2, n.y);
+    if (clear_rim(y, 2, n.valid)) kernels.fit_row(depth, level.camera, y, n);
+    const std::ptrdiff_t at = y * level.stride;
+    std::uint8_t *thin = thin_edges_.data() + at, *steps = level.depth_edges + at;
+    clear_rim(y, 1, thin);
+    if (!clear_rim(y, 1, steps)) continue;
+    kernels.gradient_row(level.gray + at, level.stride, level.width, threshold * threshold, thin);
+    kernels.step_row(depth, y, noise, steps);
+    for (int x = 0; x < level.width; ++x) thin[x] = static_cast<std::uint8_t>(thin[x] | steps[x]);
   }
-  const PyramidLevel& from = levels_[l - 1];
-  for_rows(pool, level.height, [&](int y) {
-    const std::uint8_t* a = from.plain.gradient + 2 * y * from.plain.stride;
-    const std::uint8_t* b = a + from.plain.stride;
-    for (int x = 0; x < level.width; ++x) {
-      map[y * level.plain.stride + x] =
-          static_cast<std::uint8_t>(a[2 * x] | a[2 * x + 1] | b[2 * x] | b[2 * x + 1]);
-    }
-  });
 }
 
-void FeaturePyramid::quantize_normals(int l, NormalCodebook codebook, WorkerPool& pool) {
-  const PyramidLevel& level = levels_[l];
-  std::uint8_t* map = normal_maps_[l] + (level.plain.normal - normal_maps_[l]);
-  for_rows(pool, level.height, [&](int y) {
-    std::uint8_t* cells = map + y * level.plain.stride;
-    const std::ptrdiff_t row = y * level.stride;
-    for (int x = 0; x < level.width; ++x) {
-      cells[x] = level.normal_valid[row + x]
-                     ? normal_bit(codebook, level.normal_x[row + x], level.normal_y[row + x])
-                     : std::uint8_t{0};
-    }
-  });
+// Where the region has another size than before, what the maps showed outside it must go.
+void FeaturePyramid::clear_moved_maps() {
+  for (int l = std::min(finest_map_, kFeatureLevel); l < plan_.level_count; ++l) {
+    MapMemory& m = maps_[l];
+    if (m.width == levels_[l].width && m.height == levels_[l].height) continue;
+    for (const std::span<std::uint8_t> map : {m.gradient, m.normal, m.blocks})
+      std::fill(map.begin(), map.end(), std::uint8_t{0});
+    m.width = levels_[l].width;
+    m.height = levels_[l].height;
+  }
 }
 
+// The maps of kFeatureLevel; those below repeat them, those above collect from the level before.
+void FeaturePyramid::fill_maps(int strip, NormalCodebook codebook,
+                               const simd::FeatureKernels& kernels) {
+  const auto for_rows = [&](int l, auto&& fn) {
+    const Rows rows = rows_of(strip, l);
+    for (int y = rows.first; y < rows.end; ++y) fn(y);
+  };
+  const auto quantize = [&](int l, int y) {
+    kernels.normal_bits_row(codebook, normals(l, y), levels_[l].width, normal_row(l, y));
+  };
+  for_rows(kFeatureLevel, [&](int y) {
+    spread_edges(y);
+    quantize(kFeatureLevel, y);
+  });
+  for (int l = kFeatureLevel - 1; l >= finest_map_; --l)
+    for_rows(l, [&](int y) { repeat_maps(l, y); });
+  for (int l = kFeatureLevel + 1; l < plan_.level_count; ++l) {
+    for_rows(l, [&](int y) {
+      collect_edges(l, y);
+      kernels.pool_row(normals(l - 1, 2 * y), levels_[l - 1].stride, levels_[l].width,
+                       normals(l, y));
+      quantize(l, y);
+    });
+  }
+}
+
+// Measured outlines are off by a pixel or two: each is spread to its neighbours.
+void FeaturePyramid::spread_edges(int y) {
+  const PyramidLevel& level = levels_[kFeatureLevel];
+  const int last = level.width - 1;
+  const std::uint8_t* thin = thin_edges_.data() + y * level.stride;
+  const std::uint8_t* above = y > 0 ? thin - level.stride : thin;
+  const std::uint8_t* below = y + 1 < level.height ? thin + level.stride : thin;
+  std::uint8_t* to = gradient_row(kFeatureLevel, y);
+  // The rim has no edges of its own.
+  to[0] = thin[std::min(1, last)];
+  to[last] = thin[std::max(0, last - 1)];
+  for (int x = 1; x < last; ++x)
+    to[x] = static_cast<std::uint8_t>(thin[x - 1] | thin[x] | thin[x + 1] | above[x] | below[x]);
+}
+
+void FeaturePyramid::repeat_maps(int to, int y) {
+  const std::uint8_t *from_gradient = gradient_row(to + 1, y / 2),
+                     *from_normal = normal_row(to + 1, y / 2);
+  std::uint8_t *gradient = gradient_row(to, y), *normal = normal_row(to, y);
+  const float* depth = levels_[to].depth_mm + y * levels_[to].stride;
+  for (int x = 0; x < levels_[to].width; ++x) {
+    gradient[x] = from_gradient[x / 2];
+    normal[x] = depth[x] > 0 ? from_normal[x / 2] : std::uint8_t{0};
+  }
+}
+
+void FeaturePyramid::collect_edges(int to, int y) {
+  const std::uint8_t *a = gradient_row(to - 1, 2 * y), *b = gradient_row(to - 1, 2 * y + 1);
+  std::uint8_t* out = gradient_row(to, y);
+  for (int x = 0; x < levels_[to].width; ++x)
+    out[x] = static_cast<std::uint8_t>(a[2 * x] | a[2 * x + 1] | b[2 * x] | b[2 * x + 1]);
+}
+
+// Only the blocks that take in pixels of the level: the others stay zero.
 void FeaturePyramid::rearrange(int l, WorkerPool& pool) {
   const PyramidLevel& level = levels_[l];
+  const MapMemory& m = maps_[l];
   const std::ptrdiff_t stride = level.plain.stride;
-  const int border = level.border;
-  const int rows = (level.height + 2 * border) / 2, columns = (level.width + 2 * border) / 2;
-  for_rows(pool, rows, [&](int r) {
-    const std::uint8_t* g = gradient_maps_[l] + 2 * r * stride;
-    const std::uint8_t* n = normal_maps_[l] + 2 * r * stride;
-    std::uint8_t* out = block_maps_[l] + r * (stride / 2) * simd::kBlockBytes;
-    for (int c = 0; c < columns; ++c, out += simd::kBlockBytes) {
-      for (int k = 0; k < 4; ++k) {
-        std::memcpy(out + 4 * k, g + k * stride + 2 * c, 4);
-        std::memcpy(out + 16 + 4 * k, n + k * stride + 2 * c, 4);
+  const int first = std::max(0, level.border / 2 - 1);
+  const int rows = (level.border + level.height + 1) / 2 - first;
+  const int columns = (level.border + level.width + 1) / 2 - first;
+  pool.parallel_for((rows + kRowsPerTask - 1) / kRowsPerTask, [&](int task, int) {
+    const int end = first + std::min(rows, (task + 1) * kRowsPerTask);
+    for (int r = first + task * kRowsPerTask; r < end; ++r) {
+      const std::uint8_t* g = m.gradient.data() + 2 * r * stride + 2 * first;
+      const std::uint8_t* n = m.normal.data() + 2 * r * stride + 2 * first;
+      std::uint8_t* out = m.blocks.data() + (r * (stride / 2) + first) * simd::kBlockBytes;
+      for (int c = 0; c < columns; ++c, out += simd::kBlockBytes) {
+        for (int k = 0; k < 4; ++k) {
+          std::memcpy(out + 4 * k, g + k * stride + 2 * c, 4);
+          std::memcpy(out + 16 + 4 * k, n + k * stride + 2 * c, 4);
+        }
       }
     }
   });

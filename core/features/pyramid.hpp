@@ -23,9 +23,9 @@ inline constexpr int kFeatureLevel = 1;
 
 struct PyramidLevel {
   int width = 0, height = 0;     // of this frame
-  std::uint8_t* gray = nullptr;  // width_max stride
+  std::uint8_t* gray = nullptr;  // up to kFeatureLevel
   float* depth_mm = nullptr;
-  float* normal_x = nullptr;  // in ray frames, valid where normal_valid
+  float* normal_x = nullptr;  // from kFeatureLevel on; in ray frames, valid where normal_valid
   float* normal_y = nullptr;
   std::uint8_t* normal_valid = nullptr;
   std::uint8_t* depth_edges = nullptr;  // orientation bits of depth steps; of kFeatureLevel alone
@@ -48,10 +48,11 @@ class FeaturePyramid {
   static std::size_t footprint(const PyramidPlan& plan);
   FeaturePyramid(const PyramidPlan& plan, Arena& arena);
 
-  // Fills all levels from the pixels of `region` (which may reach beyond the frame; its origin at
-  // multiples of 2^(levels-1), at most width_max x height_max).
+  // Fills all levels from the pixels of `region`, which may reach beyond the frame: at most
+  // width_max x height_max, origin and size multiples of 2^(levels-1). The maps of levels below
+  // `finest_map` are left as they are: nobody reads them.
   void build(const Frame& frame, const Roi& region, NormalCodebook codebook,
-             const simd::KernelTable& kernels, WorkerPool& pool);
+             const simd::KernelTable& kernels, WorkerPool& pool, int finest_map = 0);
 
   const PyramidLevel& level(int l) const { return levels_[l]; }
   int level_count() const { return plan_.level_count; }
@@ -62,29 +63,48 @@ class FeaturePyramid {
   const DepthNoise& depth_noise() const { return depth_noise_; }
 
  private:
-  void copy_level_zero(const Frame& frame, WorkerPool& pool);
-  void halve(int to, WorkerPool& pool);
-  void fit_normals(WorkerPool& pool);
-  void pool_normals(int to, WorkerPool& pool);
-  void find_edges(const simd::KernelTable& kernels, WorkerPool& pool);
-  void carry_edges(int l, WorkerPool& pool);
-  void quantize_normals(int l, NormalCodebook codebook, WorkerPool& pool);
+  // Both maps and their blocks, with the border of zeros that they keep.
+  struct MapMemory {
+    std::span<std::uint8_t> gradient, normal, blocks;
+    int width = 0, height = 0;  // of the area that is written to
+  };
+  struct Rows {
+    int first, end;
+  };
+
+  void place_levels(const Frame& frame, const Roi& region);
+  // Each does what it says for one strip: the rows of all levels that one row of the coarsest level
+  // covers.
+  void load_strip(int strip, const Frame& frame, const simd::FeatureKernels& kernels);
+  void find_features(int strip, const simd::FeatureKernels& kernels);
+  void fill_maps(int strip, NormalCodebook codebook, const simd::FeatureKernels& kernels);
+  void copy_row(int y, const Frame& frame);
+  void spread_edges(int y);
+  void repeat_maps(int to, int y);
+  void collect_edges(int to, int y);
+  void clear_moved_maps();
   void rearrange(int l, WorkerPool& pool);
-  std::uint8_t* gradient_map(int l) {
-    return gradient_maps_[l] + (levels_[l].plain.gradient - gradient_maps_[l]);
+  Rows rows_of(int strip, int l) const {
+    const int rows = 1 << (plan_.level_count - 1 - l);
+    return {strip * rows, (strip + 1) * rows};
+  }
+  simd::NormalRow normals(int l, int y) const;
+  std::uint8_t* gradient_row(int l, int y) { return map_row(l, y, maps_[l].gradient); }
+  std::uint8_t* normal_row(int l, int y) { return map_row(l, y, maps_[l].normal); }
+  std::uint8_t* map_row(int l, int y, std::span<std::uint8_t> map) const {
+    return map.data() + (plan_.border + y) * levels_[l].plain.stride + plan_.border;
   }
 
   PyramidPlan plan_;
   PyramidLevel levels_[kPyramidLevelsMax];
-  std::uint8_t* gradient_maps_[kPyramidLevelsMax] = {};  // start of the memory, border included
-  std::uint8_t* normal_maps_[kPyramidLevelsMax] = {};
-  std::uint8_t* block_maps_[kPyramidLevelsMax] = {};
-  std::size_t map_bytes_[kPyramidLevelsMax] = {};
-  Roi region_;
+  MapMemory maps_[kPyramidLevelsMax];
+  std::span<std::uint8_t> thin_edges_;  // orientation bits of kFeatureLevel, before they are spread
   std::span<float> noise_scratch_;
+  Roi region_;
   DepthNoise depth_noise_;
   bool depth_valid_ = false;
   bool with_intensity_ = false;
+  int finest_map_ = 0;
 };
 
 }  // namespace binpick

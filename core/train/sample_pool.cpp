@@ -7,7 +7,7 @@
 
 #include "binpick/geometry/angle.hpp"
 #include "binpick/train/errors.hpp"
-#include "features/surface_slope.hpp"
+#include "simd/surface_slope.hpp"
 #include "train/random.hpp"
 
 namespace binpick::train {

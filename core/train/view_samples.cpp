@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "features/pyramid.hpp"
-#include "features/surface_slope.hpp"
+#include "simd/surface_slope.hpp"
 
 namespace binpick::train {
 namespace {

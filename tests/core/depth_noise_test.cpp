@@ -45,7 +45,7 @@ Image image_of(double sigma_mm, std::uint32_t seed) {
 
 DepthNoise noise_of(const Image& image, WorkerPool& pool) {
   std::vector<float> scratch(static_cast<std::size_t>(noise_scratch_size(kWidth, kHeight)));
-  return estimate_depth_noise(image.view(), scratch, pool);
+  return estimate_depth_noise(image.view(), simd::feature_kernels_scalar(), scratch, pool);
 }
 
 TEST(DepthNoise, IsThatOfTheFrame) {

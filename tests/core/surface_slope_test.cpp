@@ -1,4 +1,4 @@
-#include "features/surface_slope.hpp"
+#include "simd/surface_slope.hpp"
 
 #include <gtest/gtest.h>
 

@@ -202,43 +202,6 @@ TEST_P(Kernels, BlocksAgreeOnAPyramidOfRandomImages) {
   }
 }
 
-void expect_same_gradients(const KernelTable& table, const std::vector<std::uint8_t>& image,
-                           std::ptrdiff_t stride, int width, std::int32_t threshold_squared,
-                           int shift) {
-  const auto size = static_cast<std::size_t>(kGuard + shift + width + kGuard);
-  std::vector<std::uint8_t> expected(size, 0xC3), found(size, 0xC3);
-  const std::uint8_t* row = image.data() + shift + stride;
-  feature_kernels_scalar().gradient_row(row, stride, width, threshold_squared,
-                                        expected.data() + kGuard + shift);
-  table.features.gradient_row(row, stride, width, threshold_squared, found.data() + kGuard + shift);
-  ASSERT_EQ(expected, found) << "width " << width << ", shift " << shift;
-}
-
-TEST_P(Kernels, GradientRowAgreesOnEverySizeAndStart) {
-  for (int width = 0; width <= 2 * 64 + 1; ++width) {
-    for (const int shift : {0, 1, 31}) {
-      const std::ptrdiff_t stride = width + 3;
-      std::vector<std::uint8_t> image(static_cast<std::size_t>(shift + 2 * stride + width));
-      for (auto& b : image) b = random_byte(random);
-      expect_same_gradients(table, image, stride, width, 0, shift);
-      expect_same_gradients(table, image, stride, width, 120 * 120, shift);
-      // Small gradients: every direction of small integers, exactly on boundaries too.
-      for (auto& b : image) b = static_cast<std::uint8_t>(100 + random() % 3);
-      expect_same_gradients(table, image, stride, width, 4, shift);
-    }
-  }
-}
-
-TEST_P(Kernels, GradientRowAgreesOnTheStrongestEdges) {
-  std::vector<std::uint8_t> image(3 * 130);
-  for (int i = 0; i < 40; ++i) {
-    for (auto& b : image) b = random() % 2 == 0 ? 0 : 255;
-    expect_same_gradients(table, image, 130, 130, 1, 0);
-  }
-  std::fill(image.begin(), image.end(), std::uint8_t{255});
-  expect_same_gradients(table, image, 130, 130, 0, 0);
-}
-
 INSTANTIATE_TEST_SUITE_P(EachIsa, Kernels, testing::ValuesIn(kAllIsas),
                          [](const auto& unit) { return std::string(isa_name(unit.param)); });
 
