@@ -34,6 +34,17 @@ bool better_detection(const Detection& a, const Detection& b) {
                                       b.T_cam_obj.t_mm.data(), b.T_cam_obj.t_mm.data() + 3);
 }
 
+// The finest level that a model is searched at.
+int finest_level(const ObjectModel& model, const ScalePlan& plan) {
+  int finest = kPyramidLevelsMax;
+  for (int d = model.info().scan_depth; d < model.depth_count(); ++d) {
+    for (int k = 0; k < model.depth(d).distance_count; ++k) {
+      if (plan.level[d][k] >= 0) finest = std::min<int>(finest, plan.level[d][k]);
+    }
+  }
+  return finest;
+}
+
 }  // namespace
 
 struct Detector::Impl {
@@ -135,24 +146,31 @@ Result<DetectionReport> Detector::Impl::detect(const Frame& given, const DetectR
   const Deadline deadline{clock, request.deadline_ns};
   const Result<Roi> region = region_of(frame, plan);
   if (!region.ok()) return region.error();
-  DetectionReport report;
-  timed(Stage::kPyramid, report,
-        [&] { pyramid.build(frame, region.value(), plan.normal_codebook, kernels, pool); });
   const int wanted = request.model_indices.empty() ? static_cast<int>(models.size())
                                                    : static_cast<int>(request.model_indices.size());
+  const auto model_of = [&](int i) {
+    return request.model_indices.empty() ? i : request.model_indices[static_cast<std::size_t>(i)];
+  };
+  int finest = kPyramidLevelsMax;
+  for (int i = 0; i < wanted; ++i) {
+    const int m = model_of(i);
+    if (m < 0 || m >= static_cast<int>(models.size()))
+      return Error{ErrorCode::kModelIndexUnknown, m, "request"};
+    const ObjectModel& model = models[static_cast<std::size_t>(m)];
+    const Result<ScalePlan> scale = make_scale_plan(model, frame.camera, plan.pyramid.level_count);
+    if (!scale.ok()) return scale.error();
+    scale_plans[static_cast<std::size_t>(m)] = scale.value();
+    finest = std::min(finest, finest_level(model, scale.value()));
+  }
+  DetectionReport report;
+  timed(Stage::kPyramid, report,
+        [&] { pyramid.build(frame, region.value(), plan.normal_codebook, kernels, pool, finest); });
   const Deadline search_end = deadline.after_share(kSearchShare);
   int found = 0;
   for (int i = 0; i < wanted; ++i) {
-    const int m =
-        request.model_indices.empty() ? i : request.model_indices[static_cast<std::size_t>(i)];
-    if (m < 0 || m >= static_cast<int>(models.size()))
-      return Error{ErrorCode::kModelIndexUnknown, m, "request"};
-    const Result<ScalePlan> scale = make_scale_plan(models[static_cast<std::size_t>(m)],
-                                                    frame.camera, plan.pyramid.level_count);
-    if (!scale.ok()) return scale.error();
-    scale_plans[static_cast<std::size_t>(m)] = scale.value();
     found = search_model(
-        m, std::min(kHypothesesPerModel, kHypothesesMax / static_cast<std::size_t>(wanted)), found,
+        model_of(i),
+        std::min(kHypothesesPerModel, kHypothesesMax / static_cast<std::size_t>(wanted)), found,
         search_end, request, report);
     report.cut_short |= search_end.passed();
   }
