@@ -46,8 +46,12 @@ DetectorPlan make_detector_plan(std::span<const ObjectModel> models, const Detec
         static_cast<int>(std::lround(std::log2(model.info().reference_distance_mm / nearest_mm))));
     pyramid.level_count = std::max(
         pyramid.level_count, model.info().base_level + leaf - model.info().scan_depth + 2 + nearer);
-    for (int d = model.info().scan_depth; d <= leaf; ++d)
+    for (int d = model.info().scan_depth; d <= leaf; ++d) {
       offset = std::max(offset, largest_offset(model, d));
+      const int nodes =
+          static_cast<int>(model.depth(d).templates.size()) * model.depth(d).distance_count;
+      if (d < leaf) plan.search.nodes_max = std::max(plan.search.nodes_max, nodes);
+    }
     const TreeDepth& scanned = model.depth(model.info().scan_depth);
     int features = 0;
     for (const TemplateRange& t : scanned.templates) features += t.count;

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "search/scan.hpp"
+
 namespace binpick {
 namespace {
 
-constexpr int kFeaturesMax = 255;  // of a template: the kernels sum no more
 constexpr int kBlock = 4;
 
 struct Node {
@@ -42,25 +43,6 @@ int nearest_distance(const TemplateContext& context, int depth, double distance_
   return best;
 }
 
-// Sums of the scan, which places features at odd offsets too.
-void scan_block(const TemplateContext& context, const PyramidLevel& level, const TemplateRange& t,
-                int scale_q8, int x, int y, simd::BlockSums& sums) {
-  simd::ScanFeature features[kFeaturesMax];
-  int count = 0;
-  for (const Feature& f : context.model.features(t)) {
-    const std::ptrdiff_t dx = (f.x * scale_q8 + 128) >> 8, dy = (f.y * scale_q8 + 128) >> 8;
-    features[count++] = {static_cast<std::int32_t>(dy * level.plain.stride + dx), f.gradient_bits,
-                         f.gradient_weight, f.normal_bits, f.normal_weight};
-  }
-  for (int row = 0; row < kBlock; ++row) {
-    std::uint16_t gradient[kBlock + simd::kReadAhead], normal[kBlock + simd::kReadAhead];
-    context.kernels.search.scan_row(level.plain, (y + row) * level.plain.stride + x, kBlock,
-                                    features, count, gradient, normal);
-    std::copy_n(gradient, kBlock, sums.gradient + kBlock * row);
-    std::copy_n(normal, kBlock, sums.normal + kBlock * row);
-  }
-}
-
 }  // namespace
 
 std::optional<Candidate> nearest_template(const TemplateContext& context, int depth,
@@ -86,16 +68,21 @@ std::optional<Candidate> nearest_template(const TemplateContext& context, int de
   const TemplateRange& t =
       d.templates[static_cast<std::size_t>(node.viewpoint * d.roll_count + node.roll)];
   const int scale_q8 = context.plan.scale_q8[depth][k];
-  simd::BlockSums sums;
+  simd::PlacedFeature features[simd::kTemplateFeaturesMax];
+  const std::span<const Feature> unplaced = context.model.features(t);
   if (depth == context.model.info().scan_depth) {
-    scan_block(context, level, t, scale_q8, x, y, sums);
+    place_scanned(unplaced, scale_q8, level.plain.stride, features);
   } else {
-    context.kernels.search.match_block_plain(level.plain, x, y, context.model.features(t).data(),
-                                             t.count, scale_q8, sums);
+    context.kernels.search.place_features(unplaced.data(), t.count, scale_q8, level.plain.steps(),
+                                          features);
   }
   const ScoreScale scale(t.gradient_weight_sum, t.normal_weight_sum);
+  const simd::PlacedTemplate placed{features, t.count, t.count, scale};
+  const std::ptrdiff_t place = y * level.plain.stride + x;
+  simd::BlockScores scores;
+  context.kernels.search.match_blocks_plain(level.plain, &place, 1, placed, &scores);
   for (int i = 0; i < kBlock * kBlock; ++i) {
-    const std::uint16_t score = scale.score(sums.gradient[i], sums.normal[i]);
+    const std::uint16_t score = scores.pixels[i];
     if (i > 0 && score <= c.score) continue;
     c.score = score;
     c.x = static_cast<std::int16_t>(x + i % kBlock / 2 * 2);

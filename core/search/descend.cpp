@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <numeric>
 
 #include "search/distance_gate.hpp"
 #include "search/matched_features.hpp"
@@ -23,83 +24,166 @@ struct BestChildren {
   }
 };
 
-int match_children(const DescendContext& context, int depth, const Candidate& parent,
-                   Candidate* out) {
-  const ObjectModel& model = context.models[parent.model];
-  const TreeDepth& below = model.depth(depth);
-  const Viewpoint& view =
-      model.depth(depth - 1).viewpoints[static_cast<std::size_t>(parent.viewpoint)];
-  const ScalePlan& plan = context.plans[parent.model];
-  const PyramidLevel& level = context.pyramid.level(parent.level - 1);
-  const PyramidLevel& seen = context.pyramid.level(parent.level);
-  const DistanceGate gate(model);
-  BestChildren best{out};
-  int matched = 0;
-  for (int k = 2 * parent.distance; k < std::min(2 * parent.distance + 2, below.distance_count);
-       ++k) {
-    if (plan.level[depth][k] < 0) continue;
-    if (!gate.allows(seen, parent.x, parent.y, depth, k)) continue;
-    const int scale_q8 = plan.scale_q8[depth][k];
-    for (int v = view.child_first; v < view.child_first + view.child_count; ++v) {
-      for (int r = 2 * parent.roll; r < 2 * parent.roll + 2; ++r) {
-        const TemplateRange& t =
-            below.templates[static_cast<std::size_t>(v * below.roll_count + r)];
-        const std::span<const Feature> features = matched_features(model, t, context.pyramid);
-        const int count = static_cast<int>(features.size());
-        simd::BlockSums sums;
-        const int x = 2 * parent.x, y = 2 * parent.y;
-        if (context.layout == MapLayout::kRearranged) {
-          context.kernels.search.match_block_rearranged(level.rearranged, x, y, features.data(),
-                                                        count, scale_q8, sums);
-        } else {
-          context.kernels.search.match_block_plain(level.plain, x, y, features.data(), count,
-                                                   scale_q8, sums);
-        }
-        ++matched;
-        const ScoreScale scale(t.gradient_weight_sum, t.normal_weight_sum);
-        for (int quad = 0; quad < 4; ++quad) {
-          Candidate c = parent;
-          c.x = static_cast<std::int16_t>(x + 2 * (quad % 2));
-          c.y = static_cast<std::int16_t>(y + 2 * (quad / 2));
-          c.viewpoint = static_cast<std::int16_t>(v);
-          c.roll = static_cast<std::int16_t>(r);
-          c.distance = static_cast<std::int16_t>(k);
-          c.level = static_cast<std::uint8_t>(parent.level - 1);
-          c.score = 0;
-          for (int p = 0; p < 4; ++p) {
-            const int i = (2 * (quad / 2) + p / 2) * 4 + 2 * (quad % 2) + p % 2;
-            const std::uint16_t s = scale.score(sums.gradient[i], sums.normal[i]);
-            if (s <= c.score) continue;
-            c.score = s;
-            c.best_pixel = static_cast<std::uint8_t>(p);
-          }
-          if (c.score >= context.threshold) best.offer(c);
+// Parents that one task matches; those of one node of the tree share the work on its templates.
+constexpr int kParentsPerTask = 64;
+
+std::size_t node_of(const TreeDepth& depth, const Candidate& c) {
+  return static_cast<std::size_t>(
+      (c.distance * static_cast<int>(depth.viewpoints.size()) + c.viewpoint) * depth.roll_count +
+      c.roll);
+}
+
+// Those of one node follow each other.
+std::span<const std::uint32_t> order_by_node(const TreeDepth& depth,
+                                             std::span<const Candidate> parents,
+                                             const NodeOrder& scratch) {
+  const std::size_t nodes = depth.templates.size() * static_cast<std::size_t>(depth.distance_count);
+  BINPICK_ASSERT(nodes < scratch.starts.size() && parents.size() <= scratch.order.size());
+  const auto starts = scratch.starts.first(nodes + 1);
+  std::fill(starts.begin(), starts.end(), 0u);
+  for (const Candidate& c : parents) ++starts[node_of(depth, c) + 1];
+  std::partial_sum(starts.begin(), starts.end(), starts.begin());
+  for (std::uint32_t i = 0; i < parents.size(); ++i)
+    scratch.order[starts[node_of(depth, parents[i])]++] = i;
+  return scratch.order.first(parents.size());
+}
+
+void offer_quads(const simd::BlockScores& scores, const Candidate& node, const Candidate& parent,
+                 int threshold, BestChildren best) {
+  for (int quad = 0; quad < 4; ++quad) {
+    const int score = scores.best[quad];
+    if (score < threshold || score < best.slots[kChildrenKept - 1].score) continue;
+    const std::uint16_t* upper = scores.pixels + 8 * (quad / 2) + 2 * (quad % 2);
+    const std::uint16_t pixels[4] = {upper[0], upper[1], upper[4], upper[5]};
+    Candidate c = node;
+    c.x = static_cast<std::int16_t>(2 * parent.x + 2 * (quad % 2));
+    c.y = static_cast<std::int16_t>(2 * parent.y + 2 * (quad / 2));
+    c.origin = parent.origin;
+    c.score = scores.best[quad];
+    c.best_pixel = static_cast<std::uint8_t>(std::find(pixels, pixels + 4, c.score) - pixels);
+    best.offer(c);
+  }
+}
+
+// Matches the children of one node at the places of its parents, which `group` lists.
+class NodeMatcher {
+ public:
+  NodeMatcher(const DescendContext& context, int depth, std::span<const Candidate> parents,
+              std::span<Candidate> children)
+      : context_(context), depth_(depth), parents_(parents), children_(children) {}
+
+  int match(std::span<const std::uint32_t> group) {
+    const Candidate& node = parents_[group.front()];
+    const ObjectModel& model = context_.models[node.model];
+    const Viewpoint& view =
+        model.depth(depth_ - 1).viewpoints[static_cast<std::size_t>(node.viewpoint)];
+    const int distances = model.depth(depth_).distance_count;
+    const PyramidLevel& level = context_.pyramid.level(node.level - 1);
+    int matched = 0;
+    Candidate child = node;
+    child.level = static_cast<std::uint8_t>(node.level - 1);
+    for (int k = 2 * node.distance; k < std::min(2 * node.distance + 2, distances); ++k) {
+      if (context_.plans[node.model].level[depth_][k] < 0) continue;
+      find_places(model, group, level, k);
+      if (count_ == 0) continue;
+      child.distance = static_cast<std::int16_t>(k);
+      for (int v = view.child_first; v < view.child_first + view.child_count; ++v) {
+        for (int r = 2 * node.roll; r < 2 * node.roll + 2; ++r) {
+          child.viewpoint = static_cast<std::int16_t>(v);
+          child.roll = static_cast<std::int16_t>(r);
+          match_template(model, child, level);
+          matched += count_;
         }
       }
     }
+    return matched;
   }
-  return matched;
-}
+
+ private:
+  simd::MapSteps steps(const PyramidLevel& level) const {
+    return context_.layout == MapLayout::kRearranged ? level.rearranged.steps()
+                                                     : level.plain.steps();
+  }
+
+  // Of the parents at which measured depth allows the distance.
+  void find_places(const ObjectModel& model, std::span<const std::uint32_t> group,
+                   const PyramidLevel& level, int distance) {
+    const DistanceGate gate(model);
+    const simd::MapSteps step = steps(level);
+    count_ = 0;
+    for (const std::uint32_t i : group) {
+      const Candidate& p = parents_[i];
+      const PyramidLevel& seen = context_.pyramid.level(p.level);
+      if (!gate.allows(seen, p.x, p.y, depth_, distance)) continue;
+      places_[count_] = p.x * step.x + p.y * step.y;
+      at_place_[count_++] = i;
+    }
+  }
+
+  void match_template(const ObjectModel& model, const Candidate& node, const PyramidLevel& level) {
+    const simd::SearchKernels& kernels = context_.kernels.search;
+    const TreeDepth& depth = model.depth(depth_);
+    const TemplateRange& t =
+        depth.templates[static_cast<std::size_t>(node.viewpoint * depth.roll_count + node.roll)];
+    const std::span<const Feature> features = matched_features(model, t, context_.pyramid);
+    const int count = static_cast<int>(features.size());
+    kernels.place_features(features.data(), count,
+                           context_.plans[node.model].scale_q8[depth_][node.distance], steps(level),
+                           placed_);
+    const simd::PlacedTemplate placed{placed_, count, count,
+                                      ScoreScale(t.gradient_weight_sum, t.normal_weight_sum)};
+    if (context_.layout == MapLayout::kRearranged) {
+      kernels.match_blocks_rearranged(level.rearranged, places_, count_, placed, scores_);
+    } else {
+      kernels.match_blocks_plain(level.plain, places_, count_, placed, scores_);
+    }
+    for (int i = 0; i < count_; ++i) {
+      Candidate* best = &children_[at_place_[i] * static_cast<std::size_t>(kChildrenKept)];
+      offer_quads(scores_[i], node, parents_[at_place_[i]], context_.threshold, {best});
+    }
+  }
+
+  const DescendContext& context_;
+  const int depth_;
+  const std::span<const Candidate> parents_;
+  const std::span<Candidate> children_;
+  int count_ = 0;
+  std::ptrdiff_t places_[kParentsPerTask];
+  std::uint32_t at_place_[kParentsPerTask];
+  simd::PlacedFeature placed_[simd::kTemplateFeaturesMax];
+  simd::BlockScores scores_[kParentsPerTask];
+};
 
 }  // namespace
 
 DescendCounts descend(const DescendContext& context, int depth, std::span<const Candidate> parents,
-                      std::span<Candidate> children, WorkerPool& pool) {
-  constexpr int kParentsPerTask = 32;
-  const int count = static_cast<int>(parents.size());
+                      std::span<Candidate> children, const NodeOrder& scratch, WorkerPool& pool) {
+  if (parents.empty()) return {};
+  const TreeDepth& above = context.models[parents.front().model].depth(depth - 1);
+  const std::span<const std::uint32_t> order = order_by_node(above, parents, scratch);
+  const std::size_t tasks = (order.size() + kParentsPerTask - 1) / kParentsPerTask;
   std::atomic<std::int64_t> matched{0};
   std::atomic<int> ended{0};
-  pool.parallel_for((count + kParentsPerTask - 1) / kParentsPerTask, [&](int task, int) {
-    std::int64_t own = 0;
-    int own_ended = 0;
-    for (int i = task * kParentsPerTask; i < std::min(count, (task + 1) * kParentsPerTask); ++i) {
-      Candidate* out = &children[static_cast<std::size_t>(i) * kChildrenKept];
-      std::fill_n(out, kChildrenKept, Candidate{});
-      own += match_children(context, depth, parents[static_cast<std::size_t>(i)], out);
-      own_ended += out->score == 0;
+  pool.parallel_for(static_cast<int>(tasks), [&](int task, int) {
+    const std::size_t first = static_cast<std::size_t>(task) * kParentsPerTask;
+    const auto own =
+        order.subspan(first, std::min<std::size_t>(kParentsPerTask, order.size() - first));
+    const auto children_of = [&](std::uint32_t i) {
+      return children.subspan(i * static_cast<std::size_t>(kChildrenKept), kChildrenKept);
+    };
+    for (const std::uint32_t i : own) std::ranges::fill(children_of(i), Candidate{});
+    NodeMatcher matcher(context, depth, parents, children);
+    const auto same_node = [&](std::uint32_t a, std::uint32_t b) {
+      return node_of(above, parents[a]) == node_of(above, parents[b]);
+    };
+    std::int64_t own_matched = 0;
+    for (std::size_t i = 0, end = 0; i < own.size(); i = end) {
+      while (end < own.size() && same_node(own[i], own[end])) ++end;
+      own_matched += matcher.match(own.subspan(i, end - i));
     }
-    matched += own;
-    ended += own_ended;
+    matched += own_matched;
+    ended += static_cast<int>(std::ranges::count_if(
+        own, [&](std::uint32_t i) { return children_of(i).front().score == 0; }));
   });
   return {matched, ended};
 }
@@ -124,34 +208,52 @@ int share_of_distance(std::span<const Candidate> candidates, int all, int distan
   return all;
 }
 
+// Copies those with a score, best first; those of equal scores are left in any order. Returns the
+// number copied.
+int sort_by_score(std::span<const Candidate> found, std::span<Candidate> sorted,
+                  std::span<std::uint32_t> starts) {
+  BINPICK_ASSERT(sorted.size() >= found.size());
+  std::fill(starts.begin(), starts.end(), 0u);
+  for (const Candidate& c : found) ++starts[kScoresMax - c.score];
+  std::exclusive_scan(starts.begin(), starts.end(), starts.begin(), 0u);
+  const int count = static_cast<int>(starts[kScoresMax]);
+  for (const Candidate& c : found) {
+    if (c.score > 0) sorted[starts[kScoresMax - c.score]++] = c;
+  }
+  return count;
+}
+
 }  // namespace
 
-int select_candidates(std::span<Candidate> candidates, const SelectLimits& limits, int place_px,
-                      const Roi& region, std::span<PlaceCount> places, int& dropped) {
-  std::sort(candidates.begin(), candidates.end());
+int select_candidates(std::span<const Candidate> found, std::span<Candidate> selected,
+                      const SelectLimits& limits, int place_px, const Roi& region,
+                      const SelectScratch& scratch, int& dropped) {
   const int columns = region.width / place_px + 1, rows = region.height / place_px + 1;
-  BINPICK_ASSERT(places.size() >=
+  BINPICK_ASSERT(scratch.places.size() >=
                  static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-  std::fill_n(places.begin(), columns * rows, PlaceCount{});
-  const int share = share_of_distance(candidates, limits.all, limits.distance_shift);
+  std::fill_n(scratch.places.begin(), columns * rows, PlaceCount{});
+  const int share = share_of_distance(found, limits.all, limits.distance_shift);
+  const int count = sort_by_score(found, selected, scratch.score_starts);
   int of_distance[kModelDistancesMax] = {};
   int kept = 0;
-  for (const Candidate& c : candidates) {
-    if (c.score == 0) break;
+  const auto at = [&](int i) { return selected.begin() + i; };
+  for (int i = 0, equal_end = 0; i < count && kept < limits.all; ++i) {
+    if (i == equal_end) {
+      while (equal_end < count && at(equal_end)->score == at(i)->score) ++equal_end;
+      std::sort(at(i), at(equal_end));
+    }
+    const Candidate& c = *at(i);
     int& here = of_distance[c.distance >> limits.distance_shift];
     const int column = (c.x << c.level) / place_px, row = (c.y << c.level) / place_px;
-    PlaceCount& place = places[static_cast<std::size_t>(row * columns + column)];
+    PlaceCount& place = scratch.places[static_cast<std::size_t>(row * columns + column)];
     std::uint8_t& of_origin = place.of_origin[c.origin % kOriginsMax];
-    if (kept == limits.all || here == share || place.all == limits.per_place ||
-        of_origin == limits.per_origin) {
-      ++dropped;
-      continue;
-    }
+    if (here == share || place.all == limits.per_place || of_origin == limits.per_origin) continue;
     ++here;
     ++place.all;
     ++of_origin;
-    candidates[static_cast<std::size_t>(kept++)] = c;
+    *at(kept++) = c;
   }
+  dropped += count - kept;
   return kept;
 }
 

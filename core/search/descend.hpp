@@ -30,11 +30,17 @@ struct DescendCounts {
   int parents_ended = 0;  // without a child that reaches the threshold
 };
 
-// Matches the children of `parents` (nodes of depth `depth` - 1) at depth `depth`. children has
-// room for kChildrenKept per parent; entry i * kChildrenKept + k is the k-th best child of parent
-// i; unused ones have score 0.
+// Scratch that puts parents in the order of their tree nodes: one more start than the depth has
+// nodes, and an index for each parent.
+struct NodeOrder {
+  std::span<std::uint32_t> starts, order;
+};
+
+// Matches the children of `parents` (nodes of depth `depth` - 1 of one model) at depth `depth`.
+// children has room for kChildrenKept per parent; entry i * kChildrenKept + k is the k-th best
+// child of parent i; unused ones have score 0.
 DescendCounts descend(const DescendContext& context, int depth, std::span<const Candidate> parents,
-                      std::span<Candidate> children, WorkerPool& pool);
+                      std::span<Candidate> children, const NodeOrder& scratch, WorkerPool& pool);
 
 // How many candidates go on from a depth: in all, in each square of some pixels, and there from
 // each viewpoint of the scan. Scores of small templates scatter more than those of large ones, and
@@ -51,11 +57,19 @@ struct PlaceCount {
   std::uint8_t of_origin[kOriginsMax] = {};
 };
 
-// Sorts candidates best first and keeps them within the limits, so that neither a few well-visible
-// parts nor a plain side that fits nearly anything takes the room of the others. A place is a
-// square of `place_px` pixels of level 0; `places` is scratch, one count for each. Unused entries
-// (score 0) go. Returns the number kept.
-int select_candidates(std::span<Candidate> candidates, const SelectLimits& limits, int place_px,
-                      const Roi& region, std::span<PlaceCount> places, int& dropped);
+// The best score of both modalities.
+inline constexpr std::size_t kScoresMax = 2 * kScoreOne;
+struct SelectScratch {
+  std::span<PlaceCount> places;           // one for each square of the region
+  std::span<std::uint32_t> score_starts;  // kScoresMax + 1
+};
+
+// Writes candidates to `selected` (room for all that were found), best first and within the limits,
+// so that neither a few well-visible parts nor a plain side that fits nearly anything takes the
+// room of the others. A place is a square of `place_px` pixels of level 0. Unused entries (score 0)
+// go. Returns the number kept.
+int select_candidates(std::span<const Candidate> found, std::span<Candidate> selected,
+                      const SelectLimits& limits, int place_px, const Roi& region,
+                      const SelectScratch& scratch, int& dropped);
 
 }  // namespace binpick

@@ -9,26 +9,33 @@
 namespace binpick {
 namespace {
 
-int row_stride(const ScanLimits& limits) {
-  return static_cast<int>((limits.width_max + simd::kReadAhead + 63) / 64 * 64);
+int row_cells(const ScanLimits& limits) {
+  return static_cast<int>((limits.width_max / 2 + simd::kReadAhead + 63) / 64 * 64);
 }
 
 }  // namespace
 
+void place_scanned(std::span<const Feature> features, int scale_q8, std::ptrdiff_t stride,
+                   simd::PlacedFeature* out) {
+  for (const Feature& f : features) {
+    const std::ptrdiff_t x = (f.x * scale_q8 + 128) >> 8, y = (f.y * scale_q8 + 128) >> 8;
+    *out++ = {static_cast<std::int32_t>(y * stride + x), f.gradient_bits, f.gradient_weight,
+              f.normal_bits, f.normal_weight};
+  }
+}
+
 template <class Source>
 Scanner::Buffers Scanner::take(const ScanLimits& limits, Source& source) {
-  const auto rows = static_cast<std::size_t>(row_stride(limits)) * 2 *
-                    static_cast<std::size_t>(limits.thread_count);
+  const auto row = static_cast<std::size_t>(row_cells(limits) * limits.thread_count);
   const auto cells =
       static_cast<std::size_t>((limits.width_max / 2 + 1) * (limits.height_max / 2 + 1));
   Buffers b;
   b.templates = source.template take<Template>(static_cast<std::size_t>(limits.templates_max));
   b.features =
-      source.template take<simd::ScanFeature>(static_cast<std::size_t>(limits.features_max));
+      source.template take<simd::PlacedFeature>(static_cast<std::size_t>(limits.features_max));
   b.cells = source.template take<CellEntry>(cells * kViewpointsPerCell);
-  b.best_rolls = source.template take<CellEntry>(rows / 4);
-  b.sums = source.template take<std::uint16_t>(rows);
-  b.scores = source.template take<std::uint16_t>(rows);
+  b.known = source.template take<std::uint16_t>(row);
+  b.better = source.template take<simd::CellScore>(row);
   return b;
 }
 
@@ -39,96 +46,84 @@ std::size_t Scanner::footprint(const ScanLimits& limits) {
 }
 
 Scanner::Scanner(const ScanLimits& limits, Arena& arena)
-    : row_stride_(row_stride(limits)), buffers_(take(limits, arena)) {}
+    : row_cells_(row_cells(limits)), buffers_(take(limits, arena)) {}
 
 void Scanner::load_templates(const ObjectModel& model, int distance_index, const ScalePlan& plan,
                              const FeaturePyramid& pyramid, std::ptrdiff_t stride) {
   const int d = model.info().scan_depth;
   const TreeDepth& depth = model.depth(d);
-  const int scale = plan.scale_q8[d][distance_index];
   template_count_ = static_cast<int>(depth.templates.size());
-  int used = 0;
+  simd::PlacedFeature* next = buffers_.features.data();
   for (int t = 0; t < template_count_; ++t) {
     const TemplateRange& range = depth.templates[static_cast<std::size_t>(t)];
-    Template& to = buffers_.templates[static_cast<std::size_t>(t)];
     const auto features = matched_features(model, range, pyramid);
-    to = {used, static_cast<int>(features.size()),
-          ScoreScale(range.gradient_weight_sum, range.normal_weight_sum),
-          static_cast<std::int16_t>(t / depth.roll_count),
-          static_cast<std::int16_t>(t % depth.roll_count)};
-    for (const Feature& f : features) {
-      const std::ptrdiff_t x = (f.x * scale + 128) >> 8, y = (f.y * scale + 128) >> 8;
-      buffers_.features[static_cast<std::size_t>(used++)] = {
-          static_cast<std::int32_t>(y * stride + x), f.gradient_bits, f.gradient_weight,
-          f.normal_bits, f.normal_weight};
-    }
+    const int count = static_cast<int>(features.size());
+    int with_gradient = count;
+    while (with_gradient > 0 &&
+           features[static_cast<std::size_t>(with_gradient) - 1].gradient_bits == 0)
+      --with_gradient;
+    place_scanned(features, plan.scale_q8[d][distance_index], stride, next);
+    const ScoreScale scale(range.gradient_weight_sum, range.normal_weight_sum);
+    buffers_.templates[static_cast<std::size_t>(t)] = {
+        {next, count, with_gradient, scale},
+        static_cast<std::int16_t>(t / depth.roll_count),
+        static_cast<std::int16_t>(t % depth.roll_count)};
+    next += count;
   }
 }
 
-void Scanner::insert(CellEntry* cell, CellEntry entry) const {
-  // Best first; of equal scores the earlier template stays ahead.
-  int at = kViewpointsPerCell - 1;
-  while (at > 0 && cell[at - 1].score < entry.score) {
-    cell[at] = cell[at - 1];
-    --at;
-  }
+// Puts a viewpoint's better roll in the place of its roll so far, or of the last entry. Best first;
+// of equal scores the earlier viewpoint stays ahead.
+void Scanner::enter(CellEntry* cell, CellEntry entry, int viewpoint_first) {
+  int at = 0;
+  while (at < kViewpointsPerCell - 1 && cell[at].template_index < viewpoint_first) ++at;
+  for (; at > 0 && cell[at - 1].score < entry.score; --at) cell[at] = cell[at - 1];
   cell[at] = entry;
 }
 
+// Empties the row's cells. No score is better than those of a cell where the distance is
+// impossible.
 Scanner::CellSpan Scanner::open_cells(int cell_y, const PyramidLevel& level,
-                                      const DistanceGate& gate, int depth,
-                                      int distance_index) const {
-  const auto open = [&](int c) {
-    return gate.allows(level, 2 * c, 2 * cell_y, depth, distance_index);
-  };
-  CellSpan span{0, columns_};
-  while (span.first < span.end && !open(span.first)) ++span.first;
-  while (span.first < span.end && !open(span.end - 1)) --span.end;
+                                      const DistanceGate& gate, int depth, int distance_index,
+                                      int threshold) {
+  CellEntry* row = cell_row(cell_y);
+  std::fill_n(row, columns_ * kViewpointsPerCell,
+              CellEntry{static_cast<std::uint16_t>(threshold - 1), 0, 0});
+  CellSpan span{columns_, columns_};
+  for (int c = 0; c < columns_; ++c) {
+    if (gate.allows(level, 2 * c, 2 * cell_y, depth, distance_index)) {
+      if (span.first == columns_) span.first = c;
+      span.end = c + 1;
+    } else {
+      row[(c + 1) * kViewpointsPerCell - 1].score = UINT16_MAX;
+    }
+  }
   return span;
 }
 
 void Scanner::scan_cell_row(int cell_y, CellSpan span, const PyramidLevel& level,
-                            const simd::KernelTable& kernels, int threshold, int thread) {
-  std::uint16_t* gradient =
-      buffers_.sums.data() + static_cast<std::ptrdiff_t>(thread) * 2 * row_stride_;
-  std::uint16_t* normal = gradient + row_stride_;
-  std::uint16_t* scores =
-      buffers_.scores.data() + static_cast<std::ptrdiff_t>(thread) * 2 * row_stride_;
-  CellEntry* row =
-      buffers_.cells.data() + static_cast<std::ptrdiff_t>(cell_y) * columns_ * kViewpointsPerCell;
-  const CellEntry none{static_cast<std::uint16_t>(threshold - 1), 0, 0};
-  std::fill_n(row, columns_ * kViewpointsPerCell, none);
-  if (span.first >= span.end) return;
-  const int x_first = 2 * span.first, count = span.end - span.first;
-  CellEntry* rolls =
-      buffers_.best_rolls.data() + static_cast<std::ptrdiff_t>(thread) * (row_stride_ / 2);
-  std::fill_n(rolls, count, none);
+                            const simd::KernelTable& kernels, int thread) {
+  const std::ptrdiff_t buffer = static_cast<std::ptrdiff_t>(thread) * row_cells_;
+  std::uint16_t* known = buffers_.known.data() + buffer;
+  simd::CellScore* better = buffers_.better.data() + buffer;
+  CellEntry* row = cell_row(cell_y) + span.first * kViewpointsPerCell;
+  const std::ptrdiff_t row_offset = 2 * (cell_y * level.plain.stride + span.first);
+  const int count = span.end - span.first;
+  int viewpoint = -1, viewpoint_first = 0;
   for (int t = 0; t < template_count_; ++t) {
     const Template& tpl = buffers_.templates[static_cast<std::size_t>(t)];
-    for (int j = 0; j < 2; ++j) {
-      kernels.search.scan_row(level.plain, (2 * cell_y + j) * level.plain.stride + x_first,
-                              2 * count, &buffers_.features[static_cast<std::size_t>(tpl.first)],
-                              tpl.count, gradient, normal);
-      std::uint16_t* out = scores + j * row_stride_;
-      const ScoreScale scale = tpl.scale;
-      for (int x = 0; x < 2 * count; ++x) out[x] = scale.score(gradient[x], normal[x]);
+    if (tpl.viewpoint != viewpoint) {
+      viewpoint = tpl.viewpoint;
+      viewpoint_first = t;
+      for (int c = 0; c < count; ++c) known[c] = row[(c + 1) * kViewpointsPerCell - 1].score;
     }
-    for (int c = 0; c < count; ++c) {
-      const std::uint16_t* upper = scores + 2 * c;
-      const std::uint16_t* lower = upper + row_stride_;
-      const std::uint16_t quad[4] = {upper[0], upper[1], lower[0], lower[1]};
-      const int best = static_cast<int>(std::max_element(quad, quad + 4) - quad);
-      if (quad[best] > rolls[c].score)
-        rolls[c] = {quad[best], static_cast<std::uint16_t>(t), static_cast<std::uint8_t>(best)};
-    }
-    const bool last_roll =
-        t + 1 == template_count_ ||
-        buffers_.templates[static_cast<std::size_t>(t) + 1].viewpoint != tpl.viewpoint;
-    if (!last_roll) continue;
-    for (int c = 0; c < count; ++c) {
-      CellEntry* cell = row + (span.first + c) * kViewpointsPerCell;
-      if (rolls[c].score > cell[kViewpointsPerCell - 1].score) insert(cell, rolls[c]);
-      rolls[c] = none;
+    const int found =
+        kernels.search.scan_cells(level.plain, row_offset, count, tpl.placed, known, better);
+    for (int i = 0; i < found; ++i) {
+      const simd::CellScore& b = better[i];
+      known[b.cell] = b.score;
+      enter(row + b.cell * kViewpointsPerCell, {b.score, static_cast<std::uint16_t>(t), b.pixel},
+            viewpoint_first);
     }
   }
 }
@@ -144,13 +139,13 @@ int Scanner::scan(const ObjectModel& model, int model_index, int distance_index,
   const int rows = level.height / 2;
   const DistanceGate gate(model);
   pool.parallel_for(rows, [&](int y, int thread) {
-    const CellSpan span = open_cells(y, level, gate, model.info().scan_depth, distance_index);
-    scan_cell_row(y, span, level, kernels, threshold, thread);
+    const CellSpan span =
+        open_cells(y, level, gate, model.info().scan_depth, distance_index, threshold);
+    scan_cell_row(y, span, level, kernels, thread);
   });
   std::size_t count = 0;
   for (int i = 0; i < rows * columns_; ++i) {
     const int x = 2 * (i % columns_), y = 2 * (i / columns_);
-    if (!gate.allows(level, x, y, model.info().scan_depth, distance_index)) continue;
     for (int k = 0; k < kViewpointsPerCell; ++k) {
       const CellEntry& e = buffers_.cells[static_cast<std::size_t>(i * kViewpointsPerCell + k)];
       if (e.score < threshold) break;

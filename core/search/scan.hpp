@@ -26,6 +26,10 @@ struct ScanLimits {
   int thread_count = 1;
 };
 
+// Places features on the plain maps as the scan does: at odd offsets too.
+void place_scanned(std::span<const Feature> features, int scale_q8, std::ptrdiff_t stride,
+                   simd::PlacedFeature* out);
+
 class Scanner {
  public:
   static std::size_t footprint(const ScanLimits& limits);
@@ -40,8 +44,7 @@ class Scanner {
 
  private:
   struct Template {
-    int first, count;
-    ScoreScale scale;
+    simd::PlacedTemplate placed;
     std::int16_t viewpoint, roll;
   };
   struct CellEntry {
@@ -51,12 +54,11 @@ class Scanner {
   };
 
   struct Buffers {
-    std::span<Template> templates;
-    std::span<simd::ScanFeature> features;
-    std::span<CellEntry> cells;       // kViewpointsPerCell a cell, best first
-    std::span<CellEntry> best_rolls;  // per thread: of one viewpoint, one a cell of a row
-    std::span<std::uint16_t> sums;    // per thread: gradient, normal
-    std::span<std::uint16_t> scores;  // per thread: two rows
+    std::span<Template> templates;  // the rolls of a viewpoint follow each other
+    std::span<simd::PlacedFeature> features;
+    std::span<CellEntry> cells;      // kViewpointsPerCell a cell, best first
+    std::span<std::uint16_t> known;  // per thread: what a template must beat, one a cell of a row
+    std::span<simd::CellScore> better;  // per thread: the cells where it does
   };
   // The one list of what a scanner takes, from an Arena or an ArenaPlan.
   template <class Source>
@@ -68,12 +70,16 @@ class Scanner {
     int first, end;
   };
   CellSpan open_cells(int cell_y, const PyramidLevel& level, const DistanceGate& gate, int depth,
-                      int distance_index) const;
+                      int distance_index, int threshold);
   void scan_cell_row(int cell_y, CellSpan span, const PyramidLevel& level,
-                     const simd::KernelTable& kernels, int threshold, int thread);
-  void insert(CellEntry* cell, CellEntry entry) const;
+                     const simd::KernelTable& kernels, int thread);
+  static void enter(CellEntry* cell, CellEntry entry, int viewpoint_first);
+  CellEntry* cell_row(int cell_y) {
+    return buffers_.cells.data() +
+           static_cast<std::ptrdiff_t>(cell_y) * columns_ * kViewpointsPerCell;
+  }
 
-  int row_stride_;
+  int row_cells_;  // of `known` and `better` of a thread
   int template_count_ = 0;
   int columns_ = 0;
   Buffers buffers_;

@@ -26,12 +26,17 @@ TreeSearch::Buffers TreeSearch::take(const SearchLimits& limits, const SearchPar
                                      Source& source) {
   const std::size_t parents_max =
       static_cast<std::size_t>(*std::max_element(params.candidates_max, params.candidates_max + 4));
+  const std::size_t found_max = std::max(kScanOutputMax, parents_max * kChildrenKept);
   Buffers b;
-  b.candidates = source.template take<Candidate>(kScanOutputMax);
-  b.children = source.template take<Candidate>(parents_max * kChildrenKept);
-  b.places = source.template take<PlaceCount>(
+  b.found = source.template take<Candidate>(found_max);
+  b.selected = source.template take<Candidate>(found_max);
+  b.select.places = source.template take<PlaceCount>(
       static_cast<std::size_t>(limits.region_width_max / kPlacePxMin + 1) *
       static_cast<std::size_t>(limits.region_height_max / kPlacePxMin + 1));
+  b.select.score_starts = source.template take<std::uint32_t>(kScoresMax + 1);
+  b.by_node.starts =
+      source.template take<std::uint32_t>(static_cast<std::size_t>(limits.nodes_max) + 1);
+  b.by_node.order = source.template take<std::uint32_t>(parents_max);
   return b;
 }
 
@@ -53,35 +58,36 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
       context.pyramid.with_depth() ? params_.score_min : params_.gradient_score_min;
   const int threshold = static_cast<int>(score_min * kScoreOne);
   const int place = place_px(model, context.pyramid.level(0).camera);
-  const auto limits_at = [&](int step) {
-    return SelectLimits{params_.candidates_max[step], params_.per_place_max[step],
-                        params_.per_origin_max[step], step};
-  };
   const auto observe = [&](int depth, bool selected, std::span<const Candidate> found) {
     if (context.observer)
       context.observer->candidates(context, model_index, depth, selected, found);
   };
-  const auto living = [&](int n) { return buffers_.candidates.first(static_cast<std::size_t>(n)); };
   int& below_limit = report.dropped[static_cast<int>(DropReason::kLevelLimit)];
+  const auto select = [&](std::span<const Candidate> found, int step) {
+    const SelectLimits within{params_.candidates_max[step], params_.per_place_max[step],
+                              params_.per_origin_max[step], step};
+    const int kept = select_candidates(found, buffers_.selected, within, place,
+                                       context.pyramid.region(), buffers_.select, below_limit);
+    return buffers_.selected.first(static_cast<std::size_t>(kept));
+  };
 
   const Stopwatch scan_watch(context.clock);
-  int count = 0;
+  std::size_t count = 0;
   for (int k = 0; k < model.depth(scan_depth).distance_count; ++k) {
     if (plan.level[scan_depth][k] < 0) continue;
     if (context.deadline.passed()) return {};
-    count += scanner_.scan(
+    count += static_cast<std::size_t>(scanner_.scan(
         model, model_index, k, plan, context.pyramid, context.kernels, threshold, context.pool,
-        buffers_.candidates.subspan(static_cast<std::size_t>(count)), below_limit);
+        buffers_.found.first(kScanOutputMax).subspan(count), below_limit));
     const PyramidLevel& level = context.pyramid.level(plan.level[scan_depth][k]);
     report.templates_evaluated[static_cast<std::size_t>(scan_depth)] +=
         static_cast<std::int64_t>(model.depth(scan_depth).templates.size()) * level.width *
         level.height / 16;
   }
-  observe(scan_depth, false, living(count));
-  count = select_candidates(living(count), limits_at(0), place, context.pyramid.region(),
-                            buffers_.places, below_limit);
-  observe(scan_depth, true, living(count));
-  report.candidates[static_cast<std::size_t>(scan_depth)] += count;
+  observe(scan_depth, false, buffers_.found.first(count));
+  std::span<const Candidate> living = select(buffers_.found.first(count), 0);
+  observe(scan_depth, true, living);
+  report.candidates[static_cast<std::size_t>(scan_depth)] += static_cast<int>(living.size());
   const double scan_ms = scan_watch.elapsed_ms();
   report.level_ms[static_cast<std::size_t>(scan_depth)] += scan_ms;
   report.stage_ms[static_cast<int>(Stage::kScan)] += scan_ms;
@@ -91,21 +97,19 @@ std::span<const Candidate> TreeSearch::run(const SearchContext& context, int mod
     const Stopwatch watch(context.clock);
     const DescendContext descend_context{context.models,  context.plans,  context.pyramid,
                                          context.kernels, context.layout, threshold};
-    const std::span<Candidate> children =
-        buffers_.children.first(static_cast<std::size_t>(count) * kChildrenKept);
-    const DescendCounts counts = descend(descend_context, d, living(count), children, context.pool);
+    const std::span<Candidate> children = buffers_.found.first(living.size() * kChildrenKept);
+    const DescendCounts counts =
+        descend(descend_context, d, living, children, buffers_.by_node, context.pool);
     report.templates_evaluated[static_cast<std::size_t>(d)] += counts.templates_matched;
     report.dropped[static_cast<int>(DropReason::kBelowMatchThreshold)] += counts.parents_ended;
     report.level_ms[static_cast<std::size_t>(d)] += watch.elapsed_ms();
-    std::copy(children.begin(), children.end(), buffers_.candidates.begin());
     observe(d, false, children);
-    count = select_candidates(buffers_.candidates.first(children.size()), limits_at(d - scan_depth),
-                              place, context.pyramid.region(), buffers_.places, below_limit);
-    observe(d, true, living(count));
-    report.candidates[static_cast<std::size_t>(d)] += count;
+    living = select(children, d - scan_depth);
+    observe(d, true, living);
+    report.candidates[static_cast<std::size_t>(d)] += static_cast<int>(living.size());
     report.stage_ms[static_cast<int>(Stage::kDescend)] += watch.elapsed_ms();
   }
-  return living(count);
+  return living;
 }
 
 }  // namespace binpick

@@ -27,6 +27,7 @@ struct SearchParams {
 
 struct SearchLimits {
   ScanLimits scan;
+  int nodes_max = 0;  // of a tree depth that is descended from
   int region_width_max = 0, region_height_max = 0;
 };
 
@@ -54,8 +55,9 @@ class TreeSearch {
 
  private:
   struct Buffers {
-    std::span<Candidate> candidates, children;
-    std::span<PlaceCount> places;
+    std::span<Candidate> found, selected;
+    SelectScratch select;
+    NodeOrder by_node;
   };
   // The one list of what a search takes beside its scanner, from an Arena or an ArenaPlan.
   template <class Source>

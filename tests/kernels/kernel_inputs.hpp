@@ -82,13 +82,11 @@ inline std::vector<Feature> random_features(int count, int reach, std::mt19937& 
   return features;
 }
 
-inline std::vector<ScanFeature> scan_features(const std::vector<Feature>& features,
-                                              std::ptrdiff_t stride) {
-  std::vector<ScanFeature> out;
-  for (const Feature& f : features) {
-    out.push_back({static_cast<std::int32_t>(f.y * stride + f.x), f.gradient_bits,
-                   f.gradient_weight, f.normal_bits, f.normal_weight});
-  }
+inline std::vector<PlacedFeature> placed(const std::vector<Feature>& features, MapSteps steps,
+                                         int scale_q8 = 256) {
+  std::vector<PlacedFeature> out(features.size());
+  search_kernels_scalar().place_features(features.data(), static_cast<int>(features.size()),
+                                         scale_q8, steps, out.data());
   return out;
 }
 
