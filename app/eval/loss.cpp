@@ -51,7 +51,7 @@ LossCause what_data_hide(const TargetFinding& t) {
     return {Loss::kData, away + "as well" + advantage};
   }
   const bool compared = t.rival.silhouette_px > 0;
-  if (f.has_rival && compared && f.rival_share > kOwnedShareMax &&
+  if (f.has_rival && compared && f.rival_share > kCoveredShareMax &&
       !told_apart(t.rival, contour, f.rival.contour_support)) {
     return {Loss::kData,
             "the pose reported in its place fits the data as well (the truth's advantage: depth " +
@@ -99,24 +99,22 @@ LossCause lost_at(const TargetFinding& t, double threshold) {
     case Checkpoint::kSelected2:
     case Checkpoint::kSelected3:
       return {Loss::kSearch, search_text(t, next / 2, true)};
-    case Checkpoint::kScreened:
-      return {Loss::kRefinement, "screening: moved along the ray to another surface, or to none"};
-    case Checkpoint::kScreenSelected:
+    case Checkpoint::kScored:
+      return {Loss::kRefinement, "scoring: moved along the ray to another surface, or to none"};
+    case Checkpoint::kScoreSelected:
       return {Loss::kSuppression,
-              "screening: " + counted(before) + " of the leaves, beyond the limit"};
-    case Checkpoint::kUnexplained:
-      return {Loss::kSuppression, "before PnP: a pose as good as certain explains its pixels"};
-    case Checkpoint::kPnp:
-      return {Loss::kRefinement, "PnP took it away"};
-    case Checkpoint::kIcp:
-      return {Loss::kRefinement, "ICP took it away"};
-    case Checkpoint::kIcpSelected:
-      return {Loss::kSuppression,
-              "after ICP: too many better ones at its place, or a far more probable one"};
-    case Checkpoint::kRefined:
-      return {Loss::kRefinement, "the last refinement took it away"};
-    case Checkpoint::kRefinedSelected:
-      return {Loss::kSuppression, "after refinement: too many better ones at its place"};
+              "scoring: " + counted(before) + " of the leaves, beyond the limit"};
+    case Checkpoint::kAlignedCoarse:
+      return {Loss::kRefinement, "the coarse alignment (ICP, or PnP without depth) took it away"};
+    case Checkpoint::kCoarseSelected:
+      return {
+          Loss::kSuppression,
+          "after the coarse alignment: too many better ones at its place, or a far more probable "
+          "one"};
+    case Checkpoint::kAlignedFine:
+      return {Loss::kRefinement, "the fine alignment took it away"};
+    case Checkpoint::kFineSelected:
+      return {Loss::kSuppression, "after the fine alignment: too many better ones at its place"};
     case Checkpoint::kAccepted:
       break;
     default:

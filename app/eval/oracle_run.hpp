@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "binpick/detect/diagnosis.hpp"
+#include "binpick/diagnosis/diagnosis.hpp"
 #include "eval/frame_search.hpp"
 #include "eval/score.hpp"
 #include "eval/tell_apart.hpp"

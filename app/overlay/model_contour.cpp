@@ -19,9 +19,10 @@ std::vector<Vec2> contour_points_px(const ObjectModel& model, const CameraIntrin
   }
   std::vector<Vec2> points;
   if (nearest == nullptr) return points;
-  for (const ContourSample& sample : model.contour(*nearest)) {
-    const Vec3 point(sample.position_mm[0], sample.position_mm[1], sample.position_mm[2]);
-    const Vec3 point_cam = T_cam_obj * point;
+  const SampleArrays contour = model.contour(*nearest);
+  for (int i = 0; i < contour.count; ++i) {
+    const Vec3 point_cam =
+        T_cam_obj * Eigen::Vector3f(contour.x[i], contour.y[i], contour.z[i]).cast<double>();
     if (point_cam.z() > 0) points.push_back(camera.project(point_cam));
   }
   return points;

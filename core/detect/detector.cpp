@@ -5,24 +5,17 @@
 
 #include "base/stopwatch.hpp"
 #include "binpick/base/arena_plan.hpp"
-#include "detect/acceptance.hpp"
+#include "detect/detection_of.hpp"
 #include "detect/detector_plan.hpp"
 #include "detect/stage_observer.hpp"
-#include "pose/claims.hpp"
-#include "pose/hypothesis.hpp"
-#include "pose/loose_turns.hpp"
-#include "pose/near_poses.hpp"
-#include "pose/rivals.hpp"
-#include "pose/screen.hpp"
-#include "pose/set_aside.hpp"
+#include "pose/alternatives.hpp"
+#include "pose/score_candidates.hpp"
+#include "pose/select.hpp"
 #include "search/tree_search.hpp"
 
 namespace binpick {
 namespace {
 
-constexpr int kPerPlaceAfterIcp = 6;
-// What is less probable than this owns nothing, and is no rival.
-constexpr double kScoreToExplain = 0.001;
 // Of the time up to a deadline; the rest is for the poses.
 constexpr double kSearchShare = 0.6;
 
@@ -32,17 +25,6 @@ bool better_detection(const Detection& a, const Detection& b) {
   if (a.model_index != b.model_index) return a.model_index < b.model_index;
   return std::lexicographical_compare(a.T_cam_obj.t_mm.data(), a.T_cam_obj.t_mm.data() + 3,
                                       b.T_cam_obj.t_mm.data(), b.T_cam_obj.t_mm.data() + 3);
-}
-
-// The finest level that a model is searched at.
-int finest_level(const ObjectModel& model, const ScalePlan& plan) {
-  int finest = kPyramidLevelsMax;
-  for (int d = model.info().scan_depth; d < model.depth_count(); ++d) {
-    for (int k = 0; k < model.depth(d).distance_count; ++k) {
-      if (plan.level[d][k] >= 0) finest = std::min<int>(finest, plan.level[d][k]);
-    }
-  }
-  return finest;
 }
 
 }  // namespace
@@ -58,22 +40,22 @@ struct Detector::Impl {
         kernels(simd::make_kernel_table(params_in.isa)),
         pyramid(plan.pyramid, arena),
         search(plan.search, plan.search_params, arena),
-        claims(plan.pyramid.width_max >> kFeatureLevel, plan.pyramid.height_max >> kFeatureLevel,
-               plan.explained_max(), pool.thread_count(), arena),
+        selector(plan.selector(pool.thread_count()), arena),
         scale_plans(arena.take<ScalePlan>(models.size())),
-        moves(arena.take<PartMoves>(models.size())),
-        screening(arena.take<Hypothesis>(plan.screening_max())),
+        symmetries(arena.take<SymmetryTransforms>(models.size())),
+        candidates(arena.take<Hypothesis>(plan.candidates_max())),
         hypotheses(arena.take<Hypothesis>(kHypothesesMax)),
         detections(arena.take<Detection>(static_cast<std::size_t>(plan.explained_max()))) {
-    for (std::size_t i = 0; i < models.size(); ++i) moves[i] = PartMoves(models[i], arena);
+    for (std::size_t i = 0; i < models.size(); ++i)
+      symmetries[i] = SymmetryTransforms(models[i], arena);
   }
 
   Result<DetectionReport> detect(const Frame& frame, const DetectRequest& request);
-  int search_model(int model_index, std::size_t room, int found, const Deadline& deadline,
-                   const DetectRequest& request, DetectionReport& report);
-  int estimate_poses(int count, const Deadline& deadline, const DetectRequest& request,
-                     DetectionReport& report);
-  void explain(const Frame& frame, const DetectRequest& request, int count,
+  std::size_t search_model(int model_index, std::span<Hypothesis> out, const Deadline& deadline,
+                           const DetectRequest& request, DetectionReport& report);
+  std::size_t estimate_poses(std::size_t count, const Deadline& deadline,
+                             const DetectRequest& request, DetectionReport& report);
+  void explain(const Frame& frame, const DetectRequest& request, std::size_t count,
                DetectionReport& report);
 
   template <class Work>
@@ -94,10 +76,10 @@ struct Detector::Impl {
   simd::KernelTable kernels;
   FeaturePyramid pyramid;
   TreeSearch search;
-  Claims claims;  // on pixels of the scene
+  Selector selector;
   std::span<ScalePlan> scale_plans;
-  std::span<PartMoves> moves;       // of the models' symmetries
-  std::span<Hypothesis> screening;  // all leaf candidates of one model
+  std::span<SymmetryTransforms> symmetries;  // of the models
+  std::span<Hypothesis> candidates;          // all leaf candidates of one model
   std::span<Hypothesis> hypotheses;
   std::span<Detection> detections;
 };
@@ -108,16 +90,14 @@ std::size_t Detector::footprint(std::span<const ObjectModel> models, const Detec
   ArenaPlan counted;
   counted.take<Impl>(1);
   counted.take<ScalePlan>(models.size());
-  counted.take<PartMoves>(models.size());
-  counted.take<Hypothesis>(plan.screening_max());
+  counted.take<SymmetryTransforms>(models.size());
+  counted.take<Hypothesis>(plan.candidates_max());
   counted.take<Hypothesis>(kHypothesesMax);
   counted.take<Detection>(static_cast<std::size_t>(plan.explained_max()));
-  for (const ObjectModel& model : models) PartMoves::plan(model, counted);
+  for (const ObjectModel& model : models) SymmetryTransforms::plan(model, counted);
   return counted.bytes + FeaturePyramid::footprint(plan.pyramid) +
          TreeSearch::footprint(plan.search, plan.search_params) +
-         Claims::footprint(plan.pyramid.width_max >> kFeatureLevel,
-                           plan.pyramid.height_max >> kFeatureLevel, plan.explained_max(),
-                           thread_count);
+         Selector::footprint(plan.selector(thread_count));
 }
 
 Detector::Detector(std::span<const ObjectModel> models, const DetectorLimits& limits,
@@ -146,13 +126,13 @@ Result<DetectionReport> Detector::Impl::detect(const Frame& given, const DetectR
   const Deadline deadline{clock, request.deadline_ns};
   const Result<Roi> region = region_of(frame, plan);
   if (!region.ok()) return region.error();
-  const int wanted = request.model_indices.empty() ? static_cast<int>(models.size())
-                                                   : static_cast<int>(request.model_indices.size());
-  const auto model_of = [&](int i) {
-    return request.model_indices.empty() ? i : request.model_indices[static_cast<std::size_t>(i)];
+  const std::size_t wanted =
+      request.model_indices.empty() ? models.size() : request.model_indices.size();
+  const auto model_of = [&](std::size_t i) {
+    return request.model_indices.empty() ? static_cast<int>(i) : request.model_indices[i];
   };
   int finest = kPyramidLevelsMax;
-  for (int i = 0; i < wanted; ++i) {
+  for (std::size_t i = 0; i < wanted; ++i) {
     const int m = model_of(i);
     if (m < 0 || m >= static_cast<int>(models.size()))
       return Error{ErrorCode::kModelIndexUnknown, m, "request"};
@@ -165,131 +145,100 @@ Result<DetectionReport> Detector::Impl::detect(const Frame& given, const DetectR
   DetectionReport report;
   timed(Stage::kPyramid, report,
         [&] { pyramid.build(frame, region.value(), plan.normal_codebook, kernels, pool, finest); });
+  const std::size_t room = std::min(kHypothesesPerModel, kHypothesesMax / wanted);
   const Deadline search_end = deadline.after_share(kSearchShare);
-  int found = 0;
-  for (int i = 0; i < wanted; ++i) {
-    found = search_model(
-        model_of(i),
-        std::min(kHypothesesPerModel, kHypothesesMax / static_cast<std::size_t>(wanted)), found,
-        search_end, request, report);
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < wanted; ++i) {
+    found +=
+        search_model(model_of(i), hypotheses.subspan(found, room), search_end, request, report);
     report.cut_short |= search_end.passed();
   }
   found = estimate_poses(found, deadline, request, report);
   report.cut_short |= report.dropped[static_cast<int>(DropReason::kDeadline)] > 0;
-  timed(Stage::kExplain, report, [&] { explain(frame, request, found, report); });
+  explain(frame, request, found, report);
   report.total_ms = watch.elapsed_ms();
   if (request.observer) {
-    request.observer->finished({frame, request, report, models, moves, scale_plans, pyramid,
-                                kernels, hypotheses.first(static_cast<std::size_t>(found))});
+    request.observer->finished({frame, request, report, models, symmetries, scale_plans, pyramid,
+                                kernels, hypotheses.first(found)});
   }
   return report;
 }
 
-// Appends the hypotheses of one model, at most `room`, to the `found` ones before.
-int Detector::Impl::search_model(int model_index, std::size_t room, int found,
-                                 const Deadline& deadline, const DetectRequest& request,
-                                 DetectionReport& report) {
+// The hypotheses of one model, into `out`; returns how many.
+std::size_t Detector::Impl::search_model(int model_index, std::span<Hypothesis> out,
+                                         const Deadline& deadline, const DetectRequest& request,
+                                         DetectionReport& report) {
   const SearchContext context{models, scale_plans, pyramid,  kernels,         params.layout,
                               pool,   clock,       deadline, request.observer};
   report.level_count =
       std::max(report.level_count, models[static_cast<std::size_t>(model_index)].depth_count());
-  const Scene scene(pyramid);
+  const Scene scene(pyramid, kernels.pose);
+  const PoseContext poses{models, symmetries, scene, pool, deadline};
   const std::span<const Candidate> leaves = search.run(context, model_index, report);
-  const std::span<Hypothesis> out = hypotheses.subspan(static_cast<std::size_t>(found), room);
-  const int count = timed(Stage::kScreen, report, [&] {
-    return screen_candidates({models, moves, scene, pool, deadline}, leaves, pyramid, screening,
-                             out, report);
+  const std::span<Hypothesis> scored = candidates.first(leaves.size());
+  timed(Stage::kScore, report, [&] { score_candidates(poses, leaves, pyramid, scored); });
+  const std::size_t count = timed(Stage::kSelect, report, [&] {
+    return selector.suppress(poses, scored, limits_of_candidates(out.size()), out, report);
   });
   if (request.observer) {
-    request.observer->hypotheses(Checkpoint::kScreened, screening.first(leaves.size()));
-    request.observer->hypotheses(Checkpoint::kScreenSelected,
-                                 out.first(static_cast<std::size_t>(count)));
+    request.observer->hypotheses(Checkpoint::kScored, scored);
+    request.observer->hypotheses(Checkpoint::kScoreSelected, out.first(count));
   }
-  return found + count;
-}
-
-int Detector::Impl::estimate_poses(int count, const Deadline& deadline,
-                                   const DetectRequest& request, DetectionReport& report) {
-  const Scene scene(pyramid);
-  // Each stage may use the time up to its share of what is left now: were one to use up all, no
-  // pose would be finished. The shares are those of an unhurried run.
-  auto until = [&](double share) {
-    return PoseContext{models, moves, scene, pool, deadline.after_share(share)};
-  };
-  const PoseContext lead_end = until(0.12), pnp_end = until(0.2), icp_end = until(0.4),
-                    check_end = until(0.5), refine_end = until(0.75), end = until(1);
-  auto living = [&] { return hypotheses.first(static_cast<std::size_t>(count)); };
-  auto observe = [&](Checkpoint checkpoint) {
-    if (request.observer) request.observer->hypotheses(checkpoint, living());
-  };
-  auto drop_repeated = [&] {
-    count = timed(Stage::kSuppress, report,
-                  [&] { return suppress(end, living(), kPerPlaceAfterIcp, report); });
-  };
-  // The best at each place first: what these explain beyond doubt is spared the others.
-  const std::size_t leaders = leaders_to_front(end, living());
-  const std::span<Hypothesis> leading = living().first(leaders), others = living().subspan(leaders);
-  timed(Stage::kPnp, report, [&] { run_pnp(lead_end, leading); });
-  timed(Stage::kIcp, report, [&] { run_icp(lead_end, leading); });
-  timed(Stage::kVerify, report, [&] { run_verify(lead_end, leading); });
-  timed(Stage::kSuppress, report, [&] { set_aside_explained(end, claims, leading, others); });
-  observe(Checkpoint::kUnexplained);
-  timed(Stage::kPnp, report, [&] { run_pnp(pnp_end, others); });
-  observe(Checkpoint::kPnp);
-  timed(Stage::kIcp, report, [&] { run_icp(icp_end, others); });
-  observe(Checkpoint::kIcp);
-  timed(Stage::kVerify, report, [&] { run_verify(check_end, others); });
-  drop_repeated();
-  timed(Stage::kSuppress, report, [&] { set_aside_outdone(end, claims, living()); });
-  observe(Checkpoint::kIcpSelected);
-  timed(Stage::kRefine, report, [&] { run_refine(refine_end, living()); });
-  observe(Checkpoint::kRefined);
-  timed(Stage::kVerify, report, [&] { run_verify(end, living()); });
-  drop_repeated();
-  count = timed(Stage::kVerify, report, [&] { return add_loose_turns(end, hypotheses, count); });
-  drop_repeated();
-  const SettleOutcome settled =
-      timed(Stage::kVerify, report, [&] { return settle_near_poses(end, living()); });
-  report.cut_short |= settled.cut_short;
-  if (settled.changed) drop_repeated();
-  observe(Checkpoint::kRefinedSelected);
   return count;
 }
 
-// In the order of what they explain, whatever score is asked for: what is kept of the poses must
-// not depend on what is shown of them.
-void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, int count,
-                             DetectionReport& report) {
-  const Scene scene(pyramid);
-  const PoseContext context{models, moves, scene, pool, {}};
-  const std::span<Hypothesis> living = hypotheses.first(static_cast<std::size_t>(count));
-  auto drop = [&](Hypothesis& h, DropReason reason) {
-    h.drop(reason);
-    count_drop(report, reason);
+std::size_t Detector::Impl::estimate_poses(std::size_t count, const Deadline& deadline,
+                                           const DetectRequest& request, DetectionReport& report) {
+  const Scene scene(pyramid, kernels.pose);
+  // Each step may use the time up to its share of what is left now: were one to use up all, no pose
+  // would be finished. The shares are those of an unhurried run.
+  auto until = [&](double share) {
+    return PoseContext{models, symmetries, scene, pool, deadline.after_share(share)};
   };
-  claims.clear(scene);
-  for (Hypothesis& h : living) {
-    if (!centre_inside_roi(frame, pyramid.region(), h.T_cam_centre, scene)) {
-      h.alive = false;
-    } else if (const auto objection =
-                   objection_to(h, std::min(kScoreToExplain, request.min_score))) {
-      drop(h, *objection);
-    } else if (Hypothesis* owner = claims.owner_of(context, h)) {
-      meet_rival(context, *owner, h);
-      drop(h, DropReason::kOverlapsBetter);
-    } else if (!claims.add(context, h)) {
-      drop(h, DropReason::kResultLimit);
-    }
-  }
+  auto living = [&] { return hypotheses.first(count); };
+  auto observe = [&](Checkpoint checkpoint) {
+    if (request.observer) request.observer->hypotheses(checkpoint, living());
+  };
+  auto align_and_verify = [&](std::span<const AlignStep> schedule, std::span<Hypothesis> list,
+                              const PoseContext& align_end, const PoseContext& verify_end) {
+    timed(Stage::kAlign, report, [&] { align_all(align_end, schedule, list); });
+    timed(Stage::kVerify, report, [&] { verify_all(verify_end, list); });
+  };
+  const PoseContext coarse_end = until(0.3), checked = until(0.4), fine_end = until(0.7),
+                    end = until(1);
+  auto suppress = [&] {
+    count = timed(Stage::kSelect, report,
+                  [&] { return selector.suppress(end, living(), limits_of_aligned(), report); });
+  };
+  align_and_verify(coarse_alignment(scene), living(), coarse_end, checked);
+  observe(Checkpoint::kAlignedCoarse);
+  suppress();
+  timed(Stage::kSelect, report, [&] { selector.prune(end, living()); });
+  observe(Checkpoint::kCoarseSelected);
+  align_and_verify(fine_alignment(scene), living(), fine_end, end);
+  observe(Checkpoint::kAlignedFine);
+  suppress();
+  const std::size_t found = count;
+  count =
+      timed(Stage::kAlternatives, report, [&] { return add_alternatives(end, hypotheses, found); });
+  align_and_verify(fine_alignment(scene), living().subspan(found), end, end);
+  suppress();
+  observe(Checkpoint::kFineSelected);
+  return count;
+}
+
+void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, std::size_t count,
+                             DetectionReport& report) {
+  const Scene scene(pyramid, kernels.pose);
+  const PoseContext context{models, symmetries, scene, pool, {}};
+  const std::span<Hypothesis> living = hypotheses.first(count);
+  for (Hypothesis& h : living)
+    h.alive = h.alive && centre_inside_roi(frame, pyramid.region(), h.T_cam_centre, scene);
   std::size_t accepted = 0;
-  for (Hypothesis* h : claims.owners()) {
-    score_beside_rivals(context, *h);
-    if (h->score < request.min_score) {
-      drop(*h, DropReason::kBelowMinScore);
-    } else {
+  timed(Stage::kSelect, report, [&] {
+    for (const Hypothesis* h : selector.explain(context, living, request.min_score, report))
       detections[accepted++] = detection_of(models, scene, *h);
-    }
-  }
+  });
   std::sort(detections.begin(), detections.begin() + static_cast<std::ptrdiff_t>(accepted),
             better_detection);
   const auto limit = static_cast<std::size_t>(std::clamp(request.max_results, 0, plan.results_max));

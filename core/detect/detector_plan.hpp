@@ -7,7 +7,7 @@
 
 #include "binpick/detect/detector.hpp"
 #include "features/pyramid.hpp"
-#include "pose/scene.hpp"
+#include "pose/select.hpp"
 #include "search/tree_search.hpp"
 
 namespace binpick {
@@ -32,9 +32,17 @@ struct DetectorPlan {
   int explained_max() const { return std::max(256, results_max); }
 
   // Leaf candidates of one model, at most: the limit of any depth, since a shallow tree ends early.
-  std::size_t screening_max() const {
+  std::size_t candidates_max() const {
     return static_cast<std::size_t>(
         *std::max_element(search_params.candidates_max, search_params.candidates_max + 4));
+  }
+  SelectorLimits selector(int thread_count) const {
+    return {pyramid.width_max >> kFeatureLevel,
+            pyramid.height_max >> kFeatureLevel,
+            explained_max(),
+            candidates_max(),
+            kHypothesesMax,
+            thread_count};
   }
 };
 

@@ -3,8 +3,8 @@
 
 #include <span>
 
+#include "binpick/detect/checkpoint.hpp"
 #include "binpick/detect/detector.hpp"
-#include "binpick/detect/diagnosis.hpp"
 #include "pose/hypothesis.hpp"
 #include "search/scale_plan.hpp"
 #include "search/search_observer.hpp"
@@ -18,8 +18,8 @@ struct ObservedCycle {
   const DetectRequest& request;
   const DetectionReport& report;
   std::span<const ObjectModel> models;
-  std::span<const PartMoves> moves;  // of the models
-  std::span<const ScalePlan> plans;  // one per model; of those that were asked for
+  std::span<const SymmetryTransforms> symmetries;  // of the models
+  std::span<const ScalePlan> plans;                // one per model; of those that were asked for
   const FeaturePyramid& pyramid;
   const simd::KernelTable& kernels;
   std::span<const Hypothesis> explained;  // best rank first; alive: became a detection

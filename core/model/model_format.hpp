@@ -1,9 +1,12 @@
-// Layout of a model file, version 4. Little-endian; every table starts at a multiple of 64 bytes
+// Layout of a model file, version 5. Little-endian; every table starts at a multiple of 64 bytes
 // from the start of the file. Written by core/train/model_writer, read in place by ObjectModel.
 //
 //   ModelHeader | Viewpoint tables (one per depth) | TemplateRange tables (one per depth)
-//   | Feature table | SurfaceSample table | ContourSample table
+//   | Feature table | sample table (floats) | viewing directions of the leaves (floats)
 //   | SymmetryTurn table | SymmetryAxis table (exact rows first in both)
+//
+// Samples of a viewpoint are six arrays, one behind the other, each padded with zeros to a multiple
+// of kSampleLanes: x, y, z and the direction's x, y, z. Viewing directions are three such arrays.
 #pragma once
 
 #include <bit>
@@ -19,7 +22,7 @@ namespace binpick {
 static_assert(std::endian::native == std::endian::little, "model files are read in place");
 
 inline constexpr char kModelMagic[8] = {'B', 'I', 'N', 'P', 'I', 'C', 'K', 'M'};
-inline constexpr std::uint32_t kModelVersion = 4;
+inline constexpr std::uint32_t kModelVersion = 5;
 inline constexpr std::size_t kModelAlignment = 64;
 // A model beyond this was not made by this program.
 inline constexpr std::uint64_t kModelBytesMax = 1ull << 30;
@@ -43,12 +46,11 @@ struct ModelHeader {
   ModelInfo info;
   ModelTrials trials;
   ModelDepthHeader depths[kModelDepthsMax];
-  ModelTable features, surface, contour;
+  ModelTable features, samples, viewing_directions;
   ModelTable symmetry_turns, symmetry_axes;
 };
 static_assert(std::is_trivially_copyable_v<ModelHeader>);
-static_assert(sizeof(Feature) == 6 && sizeof(TemplateRange) == 12 && sizeof(Viewpoint) == 68);
-static_assert(sizeof(SurfaceSample) == 24 && sizeof(ContourSample) == 28);
+static_assert(sizeof(Feature) == 6 && sizeof(TemplateRange) == 12 && sizeof(Viewpoint) == 72);
 static_assert(sizeof(SymmetryTurn) == 44 && sizeof(SymmetryAxis) == 36);
 
 inline constexpr std::size_t kChecksumFrom =

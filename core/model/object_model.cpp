@@ -1,5 +1,6 @@
 #include "binpick/model/object_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -28,11 +29,8 @@ bool finite_and_positive(double x) {
   return std::isfinite(x) && x > 0;
 }
 
-bool all_finite(const float* values, int count) {
-  for (int i = 0; i < count; ++i) {
-    if (!std::isfinite(values[i])) return false;
-  }
-  return true;
+bool all_finite(std::span<const float> values) {
+  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
 }
 
 bool plausible(const ModelInfo& i) {
@@ -65,6 +63,11 @@ bool range_within(std::uint64_t first, std::uint64_t count, std::size_t size) {
   return first <= size && count <= size - first;
 }
 
+bool samples_within(std::uint64_t first, std::uint64_t count, int count_max, std::size_t size) {
+  return count <= static_cast<std::uint64_t>(count_max) && first % kSampleLanes == 0 &&
+         range_within(first, 6 * padded_samples(count), size);
+}
+
 // Weights sum up as stated, and no template is larger than the search's accumulators hold.
 bool template_valid(const TemplateRange& t, std::span<const Feature> features) {
   if (!range_within(t.first, t.count, features.size()) || t.count > 255) return false;
@@ -82,7 +85,7 @@ template <class Row>
 bool symmetry_row_valid(const Row& row) {
   const auto kind = static_cast<std::int32_t>(row.kind);
   if (kind != 0 && kind != 1) return false;
-  if (!all_finite(row.axis, 3) || !all_finite(row.point_mm, 3)) return false;
+  if (!all_finite(row.axis) || !all_finite(row.point_mm)) return false;
   const double length =
       std::hypot(static_cast<double>(row.axis[0]), static_cast<double>(row.axis[1]),
                  static_cast<double>(row.axis[2]));
@@ -143,22 +146,24 @@ Result<ObjectModel> ObjectModel::parse(std::span<const std::uint8_t> bytes) {
   model.trials_ = &header.trials;
   model.bytes_total_ = bytes.size();
   if (!read_table(bytes, header.features, model.features_)) return inconsistent("feature table");
-  if (!read_table(bytes, header.surface, model.surface_)) return inconsistent("surface table");
-  if (!read_table(bytes, header.contour, model.contour_)) return inconsistent("contour table");
-  for (const SurfaceSample& s : model.surface_) {
-    if (!all_finite(s.position_mm, 3) || !all_finite(s.normal, 3))
-      return inconsistent("surface sample");
-  }
-  for (const ContourSample& c : model.contour_) {
-    if (!all_finite(c.position_mm, 3) || !all_finite(c.tangent, 3))
-      return inconsistent("contour sample");
-  }
+  std::span<const float> directions;
+  if (!read_table(bytes, header.samples, model.samples_)) return inconsistent("sample table");
+  if (!read_table(bytes, header.viewing_directions, directions))
+    return inconsistent("viewing direction table");
+  if (!all_finite(model.samples_)) return inconsistent("sample");
+  if (!all_finite(directions)) return inconsistent("viewing direction");
   const Error symmetry_error = model.read_symmetry(bytes, header);
   if (symmetry_error.code != ErrorCode::kNone) return symmetry_error;
   for (int d = 0; d < header.info.depth_count; ++d) {
     const Error error = model.read_depth(bytes, header, d);
     if (error.code != ErrorCode::kNone) return error;
   }
+  const std::size_t leaves = model.depths_[header.info.depth_count - 1].viewpoints.size();
+  const std::size_t row = padded_samples(leaves);
+  if (directions.size() != 3 * row) return inconsistent("viewing direction count");
+  const float* x = directions.data();
+  model.viewing_directions_ = {
+      static_cast<int>(leaves), x, x + row, x + 2 * row, nullptr, nullptr, nullptr};
   model.place_distances();
   for (int d = 0; d < header.info.depth_count; ++d) {
     const Error error = model.check_viewpoints(d);
@@ -222,7 +227,7 @@ Error ObjectModel::check_viewpoints(int d) const {
   const std::size_t below =
       d + 1 < info_->depth_count ? depths_[d + 1].viewpoints.size() : std::size_t{0};
   for (const Viewpoint& v : depths_[d].viewpoints) {
-    if (!all_finite(v.R_view_obj, 9) || !std::isfinite(v.sample_area_mm2)) {
+    if (!all_finite(v.R_view_obj) || !std::isfinite(v.sample_area_mm2)) {
       return inconsistent("viewpoint", d);
     }
     if (v.child_first < 0 || v.child_count < 0 ||
@@ -230,12 +235,19 @@ Error ObjectModel::check_viewpoints(int d) const {
                       static_cast<std::uint64_t>(v.child_count), below)) {
       return inconsistent("viewpoint children", d);
     }
-    if (!range_within(v.surface_first, v.surface_count, surface_.size()) ||
-        !range_within(v.contour_first, v.contour_count, contour_.size())) {
+    if (!samples_within(v.surface_first, v.surface_count, kSurfaceSamplesMax, samples_.size()) ||
+        !samples_within(v.contour_first, v.contour_count, kContourSamplesMax, samples_.size()) ||
+        v.outline_count > v.contour_count) {
       return inconsistent("viewpoint samples", d);
     }
   }
   return {};
+}
+
+SampleArrays ObjectModel::arrays(std::uint64_t first, std::uint64_t count) const {
+  const std::uint64_t row = padded_samples(count);
+  const float* x = samples_.data() + first;
+  return {static_cast<int>(count), x, x + row, x + 2 * row, x + 3 * row, x + 4 * row, x + 5 * row};
 }
 
 double ObjectModel::roll_rad(int d, int roll) const {

@@ -1,129 +1,65 @@
 #include "pose/contour.hpp"
 
-#include <algorithm>
 #include <cmath>
 
-#include "binpick/geometry/angle.hpp"
 #include "pose/view_lookup.hpp"
+#include "simd/gradient_bit.hpp"
 
 namespace binpick {
 namespace {
 
-constexpr int kRangeMax = 12;
-// Contrast over two pixels below which an intensity edge is noise.
-constexpr float kContrastMin = 8;
+// Between an edge's direction and the contour's: 30 degrees.
+constexpr float kDirectionCosMin = 0.87f;
+// From a place to the border of the image, beyond the range that is looked at.
+constexpr int kMarginPx = 3;
 
-// Places in an image in 1/65536 px, weights between pixels in 1/2048 px: whole numbers are faster.
-constexpr int kPlaceBits = 16, kWeightBits = 11;
-int fixed_place(double px) {
-  return static_cast<int>(px * (1 << kPlaceBits));
-}
+struct Gradient {
+  int x, y;
+};
 
-float gray_at(const PyramidLevel& level, int u, int v) {
-  constexpr int kOne = 1 << kWeightBits, kBelow = kPlaceBits - kWeightBits;
-  const int fx = (u >> kBelow) & (kOne - 1), fy = (v >> kBelow) & (kOne - 1);
-  const std::uint8_t* p = level.gray + (v >> kPlaceBits) * level.stride + (u >> kPlaceBits);
-  const std::uint8_t* q = p + level.stride;
-  const int top = p[0] * (kOne - fx) + p[1] * fx, bottom = q[0] * (kOne - fx) + q[1] * fx;
-  constexpr float kScale = 1.0f / (1 << 2 * kWeightBits);
-  return static_cast<float>(top * (kOne - fy) + bottom * fy) * kScale;
+// 3x3 Sobel at a pixel of level 0; none at the border.
+Gradient gray_gradient(const Scene& scene, float u, float v) {
+  const PyramidLevel& level = scene.intensity;
+  const int x = nearest_pixel(static_cast<double>(u)), y = nearest_pixel(static_cast<double>(v));
+  if (x < 1 || y < 1 || x >= level.width - 1 || y >= level.height - 1) return {0, 0};
+  const std::uint8_t* at = level.gray + y * level.stride + x;
+  const std::uint8_t *above = at - level.stride, *below = at + level.stride;
+  return {above[1] + 2 * at[1] + below[1] - above[-1] - 2 * at[-1] - below[-1],
+          below[-1] + 2 * below[0] + below[1] - above[-1] - 2 * above[0] - above[1]};
 }
 
 }  // namespace
 
-ContourPlace place_contour(const ContourSample& sample, const Scene& scene, const Pose& T,
-                           int range_px, double depth_tolerance_mm) {
-  ContourPlace place;
-  place.point_cam = T * position_of(sample);
-  const Vec3 tangent = T.R * tangent_of(sample);
-  const CameraIntrinsics& camera = scene.intensity.camera;
-  const Vec3& p = place.point_cam;
-  place.pixel = camera.project(p);
-  // Image of the tangent: derivative of the projection.
-  const Vec2 along(camera.fx * (tangent.x() - p.x() / p.z() * tangent.z()),
-                   camera.fy * (tangent.y() - p.y() / p.z() * tangent.z()));
-  const double length = along.norm();
-  if (length < 1e-6 * camera.fx) return place;
-  place.normal_px = Vec2(-along.y(), along.x()) / length;
-  const double margin = std::min(range_px, kRangeMax) + 3;
-  // In the negative, so that a pixel that is not a number lies outside too.
-  if (!(place.pixel.x() >= margin && place.pixel.y() >= margin &&
-        place.pixel.x() <= scene.intensity.width - 2 - margin &&
-        place.pixel.y() <= scene.intensity.height - 2 - margin)) {
-    return place;
+void place_contour(const ObjectModel& model, const Viewpoint& view, const Scene& scene,
+                   const Pose& T, int range_px, double hidden_mm, ContourMatches& out) {
+  const SampleArrays samples = model.contour(view);
+  out.count = samples.count;
+  out.outline_count = static_cast<int>(view.outline_count);
+  scene.kernels.place_contour(samples, pose_f(T), scene.gray_map, scene.depth_map,
+                              static_cast<float>(range_px + kMarginPx),
+                              static_cast<float>(hidden_mm), out.places);
+}
+
+void match_edges(const Scene& scene, int range_px, ContourMatches& m) {
+  scene.kernels.match_edges(m.places, m.count, scene.gray_map, range_px, m.edges);
+}
+
+void keep_directed_edges(const Scene& scene, ContourMatches& m) {
+  for (int i = 0; i < m.count; ++i) {
+    if (!m.edges.found[i]) continue;
+    const float nu = m.places.normal_u[i], nv = m.places.normal_v[i];
+    const auto [x, y] = gray_gradient(scene, m.places.u[i] + m.edges.offset_px[i] * nu,
+                                      m.places.v[i] + m.edges.offset_px[i] * nv);
+    const float gx = static_cast<float>(x), gy = static_cast<float>(y);
+    const float across = std::fabs(gx * nu + gy * nv);
+    if (across < kDirectionCosMin * std::sqrt(gx * gx + gy * gy)) m.edges.found[i] = 0;
   }
-  const double z = scene.measured_at(p).depth_mm;
-  place.visible = !(z > 0 && z < p.z() - depth_tolerance_mm);
-  return place;
 }
 
-ContourMatch match_contour(const ContourPlace& place, const Scene& scene, int range_px) {
-  ContourMatch m;
-  range_px = std::min(range_px, kRangeMax);
-  float profile[2 * kRangeMax + 3];
-  const int samples = 2 * range_px + 3;
-  const int du = fixed_place(place.normal_px.x()), dv = fixed_place(place.normal_px.y());
-  int u = fixed_place(place.pixel.x()) - (range_px + 1) * du,
-      v = fixed_place(place.pixel.y()) - (range_px + 1) * dv;
-  for (int i = 0; i < samples; ++i, u += du, v += dv) profile[i] = gray_at(scene.intensity, u, v);
-  // The strongest step, nearer ones preferred.
-  float best = 0;
-  int at = -1;
-  auto contrast = [&](int i) { return std::fabs(profile[i + 1] - profile[i - 1]); };
-  for (int i = 1; i + 1 < samples; ++i) {
-    const float c = contrast(i);
-    if (c < kContrastMin) continue;
-    const float away = static_cast<float>(i - range_px - 1) / static_cast<float>(range_px + 1);
-    const float value = std::min(c, 60.0f) * (1 - 0.7f * away * away);
-    if (value > best) {
-      best = value;
-      at = i;
-    }
-  }
-  if (at < 0) return m;
-  double offset = at - range_px - 1;
-  if (at > 1 && at + 2 < samples) {  // vertex of the parabola through three contrasts
-    const float l = contrast(at - 1), c = contrast(at), r = contrast(at + 1);
-    const float bend = l - 2 * c + r;
-    if (bend < -1e-3f) offset += std::clamp(0.5 * static_cast<double>((l - r) / bend), -0.5, 0.5);
-  }
-  m.found = true;
-  m.offset_px = offset;
-  return m;
-}
-
-int edge_direction(const Vec2& normal) {
-  return static_cast<int>(std::atan2(normal.y(), normal.x()) * 8 / kPi + 16.5) & 7;
-}
-
-unsigned edge_directions_near(const Vec2& normal) {
-  const int bin = edge_direction(normal);
-  return (1u << bin) | (1u << ((bin + 1) & 7)) | (1u << ((bin + 7) & 7));
-}
-
-Vec3 pulled_back(const ContourPlace& place, const CameraIntrinsics& camera) {
-  const Vec3& p = place.point_cam;
-  const double a = place.normal_px.x() * camera.fx / p.z(),
-               b = place.normal_px.y() * camera.fy / p.z();
-  return {a, b, -(a * p.x() + b * p.y()) / p.z()};
-}
-
-int add_contour_residuals(const Viewpoint& view, const ObjectModel& model, const Scene& scene,
-                          const Pose& T, int range_px, double sigma_px, double depth_tolerance_mm,
-                          NormalEquations& equations) {
-  const CameraIntrinsics& camera = scene.intensity.camera;
-  int found = 0;
-  for (const ContourSample& sample : model.contour(view)) {
-    const ContourPlace place = place_contour(sample, scene, T, range_px, depth_tolerance_mm);
-    if (!place.visible) continue;
-    const ContourMatch m = match_contour(place, scene, range_px);
-    if (!m.found) continue;
-    const Vec3 n = pulled_back(place, camera);
-    equations.add(point_gradient(n, place.point_cam, T.t_mm) / sigma_px, -m.offset_px / sigma_px,
-                  robust_weight(m.offset_px, range_px));
-    ++found;
-  }
-  return found;
+unsigned edge_directions_near(float normal_u, float normal_v) {
+  const unsigned bit = gradient_bit(static_cast<std::int32_t>(normal_u * 4096),
+                                    static_cast<std::int32_t>(normal_v * 4096));
+  return (bit | bit << 1 | bit >> 1 | bit << 7 | bit >> 7) & 0xFF;  // bins 7 and 0 are neighbours
 }
 
 }  // namespace binpick

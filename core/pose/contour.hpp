@@ -1,45 +1,30 @@
-// Contour evidence: model outline and creases against edges of the intensity and depth images.
+// A part's contour at a pose, and the image edges beside it.
 #pragma once
 
-#include "binpick/model/object_model.hpp"
-#include "pose/normal_equations.hpp"
 #include "pose/scene.hpp"
 
 namespace binpick {
 
-// Where a contour sample projects to.
-struct ContourPlace {
-  bool visible = false;           // inside the region, and nothing in front of it
-  Vec2 pixel = Vec2::Zero();      // level 0
-  Vec2 normal_px = Vec2::Zero();  // unit, across the contour
-  Vec3 point_cam = Vec3::Zero();
+struct ContourMatches {
+  simd::ContourPlaces places;
+  simd::ContourEdges edges;
+  int count = 0, outline_count = 0;  // the outline comes first, then creases
 };
 
-// The image edge beside it.
-struct ContourMatch {
-  bool found = false;
-  double offset_px = 0;  // signed distance along normal_px
-};
+// Where the contour of a viewpoint projects to. What is nearer than hidden_mm before a point hides
+// it; 0 where there is no depth to tell.
+void place_contour(const ObjectModel& model, const Viewpoint& view, const Scene& scene,
+                   const Pose& T_cam_centre, int range_px, double hidden_mm, ContourMatches& out);
 
-ContourPlace place_contour(const ContourSample& sample, const Scene& scene,
-                           const Pose& T_cam_centre, int range_px, double depth_tolerance_mm);
+// The intensity edge nearest to each visible place, up to range_px to either side.
+void match_edges(const Scene& scene, int range_px, ContourMatches& matches);
 
-// Looks for the intensity edge nearest to the place, along the contour's normal, up to range_px on
-// either side.
-ContourMatch match_contour(const ContourPlace& place, const Scene& scene, int range_px);
+// Drops the edges whose direction is not the contour's (more than about 30 degrees between them).
+// Without depth nothing else tells them apart.
+void keep_directed_edges(const Scene& scene, ContourMatches& matches);
 
-// Edges are told apart by eight directions, as bits (features/orientation). Which of them an edge
-// across a unit normal has, and that one with its neighbours.
-int edge_direction(const Vec2& normal);
-unsigned edge_directions_near(const Vec2& normal);
-
-// Derivative of the offset along the contour's normal by the point in the camera.
-Vec3 pulled_back(const ContourPlace& place, const CameraIntrinsics& camera);
-
-// Adds the point-to-line reprojection residuals (px) of one pass, each divided by sigma_px, with
-// Geman-McClure weights of scale range_px. Returns how many contour points found an edge.
-int add_contour_residuals(const Viewpoint& view, const ObjectModel& model, const Scene& scene,
-                          const Pose& T_cam_centre, int range_px, double sigma_px,
-                          double depth_tolerance_mm, NormalEquations& equations);
+// Edges are told apart by eight directions, as bits (simd/gradient_bit.hpp): that of an edge across
+// a unit normal, and its two neighbours.
+unsigned edge_directions_near(float normal_u, float normal_v);
 
 }  // namespace binpick

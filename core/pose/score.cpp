@@ -59,13 +59,11 @@ ScoreTerms score_terms(const Evidence& e, double template_score) {
   set(ScoreTerm::kOutlineSteps,
       share(e.outline_steps, e.contours) /
           known_share(e, 1 - share(e.outline_unseen, e.contours), kOutlineKnown));
-  set(ScoreTerm::kOutlineContinued, share(e.outline_continued, e.contours));
+  set(ScoreTerm::kOutlineBare, share(e.outline_bare, e.contours));
   set(ScoreTerm::kOutlineOffset,
       e.outline_matches > 0 ? e.outline_offset_px / e.outline_matches : 0);
   set(ScoreTerm::kCreases, e.creases > 0 ? e.creases_supported / e.creases : kCreasesUnseen);
   set(ScoreTerm::kTemplate, template_score);
-  set(ScoreTerm::kWeakestSide, log_share(e.weakest_side));
-  set(ScoreTerm::kStrayEdges, share(e.stray_edges, e.plain));
   return terms;
 }
 
@@ -81,8 +79,8 @@ double probability(const ScoreTerms& terms, Modality seen, const ModelTrials& tr
   return 1 / (1 + std::exp(-(part.slope * log_odds(terms, seen) + part.offset)));
 }
 
-double rivals_term(double log_odds, double rival_odds) {
-  return std::log1p(rival_odds * std::exp(-log_odds));
+double conflicts_term(double log_odds, double conflict_odds) {
+  return std::log1p(conflict_odds * std::exp(-log_odds));
 }
 
 }  // namespace binpick

@@ -22,9 +22,9 @@ double log_odds(const ScoreTerms& terms, Modality seen);
 // 1 / (1 + e^-log odds), with the log odds calibrated for the part.
 double probability(const ScoreTerms& terms, Modality seen, const ModelTrials& trials);
 
-// The term of a pose beside rivals: other poses, of which only one at most can be right, since they
-// explain the same pixels. `rival_odds`: the sum of theirs. Their ratio to its own odds is what
-// counts: where a sensor shows all poses badly, the right one still stands out from the others.
-double rivals_term(double log_odds, double rival_odds);
+// The term of a pose in conflict with others: at most one of them is right, since they explain the
+// same pixels. `conflict_odds`: the sum of theirs. Their ratio to its own odds is what counts:
+// where a sensor shows all poses badly, the right one still stands out from the others.
+double conflicts_term(double log_odds, double conflict_odds);
 
 }  // namespace binpick

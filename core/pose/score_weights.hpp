@@ -18,13 +18,11 @@ inline constexpr ScoreWeights kScoreWeights = {
     -43.6650,  // contradicted
     -1.8059,   // hidden
     5.2414,    // outline_steps
-    0.0000,    // outline_continued
+    0.0000,    // outline_bare
     -0.3838,   // outline_offset
     3.1135,    // creases
     0.0000,    // template
-    0.0000,    // weakest_side
-    0.0000,    // stray_edges
-    -2.2205,   // rivals
+    -2.2205,   // conflicts
     -22.1575,  // constant
 };
 
@@ -36,13 +34,11 @@ inline constexpr ScoreWeights kScoreWeightsOfDepthAlone = {
     -7.2118,   // contradicted
     -1.5374,   // hidden
     4.8565,    // outline_steps
-    -0.2086,   // outline_continued
+    0.0000,    // outline_bare
     0.0000,    // outline_offset
     0.0000,    // creases
     0.5223,    // template
-    0.0000,    // weakest_side
-    0.0000,    // stray_edges
-    -2.3085,   // rivals
+    -2.3085,   // conflicts
     -21.3509,  // constant
 };
 
@@ -54,13 +50,11 @@ inline constexpr ScoreWeights kScoreWeightsOfIntensityAlone = {
     0.0000,    // contradicted
     0.0000,    // hidden
     0.0000,    // outline_steps
-    -11.4082,  // outline_continued
+    -11.4082,  // outline_bare
     -0.4796,   // outline_offset
     1.0702,    // creases
     1.4905,    // template
-    0.0000,    // weakest_side
-    0.0000,    // stray_edges
-    -0.7912,   // rivals
+    -0.7912,   // conflicts
     -9.9053,   // constant
 };
 

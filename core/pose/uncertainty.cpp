@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pose/view_lookup.hpp"
+#include "pose/align.hpp"
 
 namespace binpick {
 namespace {
@@ -25,15 +25,12 @@ WeakAxis weak_axis(const Mat3& covariance) {
 
 }  // namespace
 
-PoseUncertainty pose_uncertainty(const ObjectModel& model, const Scene& scene,
-                                 const RefineParams& params, const Pose& T) {
+PoseUncertainty pose_uncertainty(const ObjectModel& model, const Scene& scene, const Pose& T) {
   const double diameter_mm = model.info().diameter_mm;
   const double radius_mm = diameter_mm / 4;  // of what turns with the part, on average
-  NormalEquations equations;
-  add_residuals(model, nearest_viewpoint(model, T), scene, params, params.contour_range_end_px, T,
-                equations);
-  // Residuals that scatter more than the noise reckoned with tell less; that they scatter less
-  // does not make the data better.
+  const NormalEquations equations = final_equations(model, scene, T);
+  // Residuals that scatter more than the assumed noise tell less; that they scatter less does not
+  // make the data better.
   const double scatter = std::max(1.0, equations.cost / std::max(1, equations.count - 6));
   Eigen::Matrix<double, 6, 6> information = equations.H.selfadjointView<Eigen::Lower>();
   information /= scatter * model.trials().variance_scale_of(scene.modality());

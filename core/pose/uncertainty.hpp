@@ -1,8 +1,8 @@
-// The covariance of a refined pose, from the residuals that refinement minimizes.
+// The covariance of an aligned pose, from the residuals that the alignment minimizes.
 #pragma once
 
 #include "binpick/report/pose_uncertainty.hpp"
-#include "pose/refine.hpp"
+#include "pose/scene.hpp"
 
 namespace binpick {
 
@@ -10,6 +10,6 @@ namespace binpick {
 // scatter, times the model's variance_scale: neighbouring measurements err alike, by how much
 // training tells. A direction that nothing holds ends at a prior of a quarter of the diameter.
 PoseUncertainty pose_uncertainty(const ObjectModel& model, const Scene& scene,
-                                 const RefineParams& params, const Pose& T_cam_centre);
+                                 const Pose& T_cam_centre);
 
 }  // namespace binpick

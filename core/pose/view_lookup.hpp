@@ -2,6 +2,7 @@
 #pragma once
 
 #include "binpick/model/object_model.hpp"
+#include "simd/pose_kernels.hpp"
 
 namespace binpick {
 
@@ -10,44 +11,36 @@ inline Vec3 seen_along(const Pose& T_cam_centre) {
   return T_cam_centre.R.transpose() * T_cam_centre.t_mm.normalized();
 }
 
-// The leaf viewpoint nearest to the direction from which the camera sees the part at this pose.
-const Viewpoint& nearest_viewpoint(const ObjectModel& model, const Pose& T_cam_centre);
-
-// The same for a pose that is moved in small steps: viewpoints are only gone through again when
-// another one may have become the nearest.
-class FollowedViewpoint {
- public:
-  explicit FollowedViewpoint(const ObjectModel& model) : model_(model) {}
-  const Viewpoint& at(const Pose& T_cam_centre);
-
- private:
-  const ObjectModel& model_;
-  const Viewpoint* found_ = nullptr;
-  Eigen::Vector3f direction_ = Eigen::Vector3f::Zero();  // for which it was found, in object axes
-  float lead_ = 0;
-};
-
 // Along which the camera looks at the part from a viewpoint, in object axes.
 inline Vec3 viewing_direction(const Viewpoint& v) {
   return {static_cast<double>(v.R_view_obj[6]), static_cast<double>(v.R_view_obj[7]),
           static_cast<double>(v.R_view_obj[8])};
 }
 
-inline Vec3 position_of(const SurfaceSample& s) {
-  return {static_cast<double>(s.position_mm[0]), static_cast<double>(s.position_mm[1]),
-          static_cast<double>(s.position_mm[2])};
+inline std::span<const Viewpoint> leaf_viewpoints(const ObjectModel& model) {
+  return model.depth(model.depth_count() - 1).viewpoints;
 }
-inline Vec3 normal_of(const SurfaceSample& s) {
-  return {static_cast<double>(s.normal[0]), static_cast<double>(s.normal[1]),
-          static_cast<double>(s.normal[2])};
+
+// The leaf viewpoint nearest to a direction, or to the one from which the camera sees the part.
+inline const Viewpoint& nearest_viewpoint(const ObjectModel& model,
+                                          const simd::PoseKernels& kernels, const Vec3& seen) {
+  const float direction[3] = {static_cast<float>(seen.x()), static_cast<float>(seen.y()),
+                              static_cast<float>(seen.z())};
+  const int index = kernels.nearest_direction(model.viewing_directions(), direction);
+  return leaf_viewpoints(model)[static_cast<std::size_t>(index)];
 }
-inline Vec3 position_of(const ContourSample& s) {
-  return {static_cast<double>(s.position_mm[0]), static_cast<double>(s.position_mm[1]),
-          static_cast<double>(s.position_mm[2])};
+inline const Viewpoint& nearest_viewpoint(const ObjectModel& model,
+                                          const simd::PoseKernels& kernels,
+                                          const Pose& T_cam_centre) {
+  return nearest_viewpoint(model, kernels, seen_along(T_cam_centre));
 }
-inline Vec3 tangent_of(const ContourSample& s) {
-  return {static_cast<double>(s.tangent[0]), static_cast<double>(s.tangent[1]),
-          static_cast<double>(s.tangent[2])};
+
+// For the kernels.
+inline simd::PoseF pose_f(const Pose& T) {
+  simd::PoseF out;
+  for (int i = 0; i < 9; ++i) out.R[i] = static_cast<float>(T.R(i / 3, i % 3));
+  for (int i = 0; i < 3; ++i) out.t[i] = static_cast<float>(T.t_mm[i]);
+  return out;
 }
 
 }  // namespace binpick

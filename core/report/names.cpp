@@ -36,20 +36,16 @@ const char* stage_name(Stage stage) {
       return "scan";
     case Stage::kDescend:
       return "descend";
-    case Stage::kScreen:
-      return "screen";
-    case Stage::kSuppress:
-      return "suppress";
-    case Stage::kPnp:
-      return "pnp";
-    case Stage::kIcp:
-      return "icp";
-    case Stage::kRefine:
-      return "refine";
+    case Stage::kScore:
+      return "score";
+    case Stage::kAlign:
+      return "align";
     case Stage::kVerify:
       return "verify";
-    case Stage::kExplain:
-      return "explain";
+    case Stage::kSelect:
+      return "select";
+    case Stage::kAlternatives:
+      return "alternatives";
   }
   return "unknown";
 }
@@ -70,20 +66,16 @@ const char* score_term_name(ScoreTerm term) {
       return "hidden";
     case ScoreTerm::kOutlineSteps:
       return "outline_steps";
-    case ScoreTerm::kOutlineContinued:
-      return "outline_continued";
+    case ScoreTerm::kOutlineBare:
+      return "outline_bare";
     case ScoreTerm::kOutlineOffset:
       return "outline_offset";
     case ScoreTerm::kCreases:
       return "creases";
     case ScoreTerm::kTemplate:
       return "template";
-    case ScoreTerm::kWeakestSide:
-      return "weakest_side";
-    case ScoreTerm::kStrayEdges:
-      return "stray_edges";
-    case ScoreTerm::kRivals:
-      return "rivals";
+    case ScoreTerm::kConflicts:
+      return "conflicts";
   }
   return "unknown";
 }

@@ -45,4 +45,14 @@ Result<ScalePlan> make_scale_plan(const ObjectModel& model, const CameraIntrinsi
   return plan;
 }
 
+int finest_level(const ObjectModel& model, const ScalePlan& plan) {
+  int finest = kPyramidLevelsMax;
+  for (int d = model.info().scan_depth; d < model.depth_count(); ++d) {
+    for (int k = 0; k < model.depth(d).distance_count; ++k) {
+      if (plan.level[d][k] >= 0) finest = std::min<int>(finest, plan.level[d][k]);
+    }
+  }
+  return finest;
+}
+
 }  // namespace binpick

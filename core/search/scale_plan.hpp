@@ -26,4 +26,7 @@ Result<ScalePlan> make_scale_plan(const ObjectModel& model, const CameraIntrinsi
 // Scale (template px to level px) and level for a model at one distance.
 double template_scale(const ObjectModel& model, const CameraIntrinsics& camera, double distance_mm);
 
+// The finest level that the model is searched at.
+int finest_level(const ObjectModel& model, const ScalePlan& plan);
+
 }  // namespace binpick

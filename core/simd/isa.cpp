@@ -63,12 +63,14 @@ KernelTable make_kernel_table(Isa isa) {
     }
   }
   if (isa == Isa::kBest || isa == Isa::kScalar) {
-    return {search_kernels_scalar(), feature_kernels_scalar(), isa_name(Isa::kScalar)};
+    return {search_kernels_scalar(), feature_kernels_scalar(), pose_kernels_scalar(),
+            isa_name(Isa::kScalar)};
   }
   hwy::ChosenTarget chosen;
   chosen.Update(usable(isa) & -usable(isa));  // the lowest bit is the widest unit
   const std::size_t target = chosen.GetIndex();
-  return {search_kernels_vector(target), feature_kernels_vector(target), isa_name(isa)};
+  return {search_kernels_vector(target), feature_kernels_vector(target),
+          pose_kernels_vector(target), isa_name(isa)};
 }
 
 }  // namespace simd

@@ -4,6 +4,7 @@
 
 #include "binpick/simd/isa.hpp"
 #include "simd/feature_kernels.hpp"
+#include "simd/pose_kernels.hpp"
 #include "simd/search_kernels.hpp"
 
 namespace binpick::simd {
@@ -11,6 +12,7 @@ namespace binpick::simd {
 struct KernelTable {
   SearchKernels search;
   FeatureKernels features;
+  PoseKernels pose;
   const char* name;  // of the vector unit in use
 };
 

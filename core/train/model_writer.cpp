@@ -23,6 +23,31 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
+// Rows as arrays of their components, each padded.
+void append_arrays(std::vector<float>& to, const std::vector<PointSample>& rows) {
+  const std::size_t padding = padded_samples(rows.size()) - rows.size();
+  for (float const(PointSample::*vector)[3] :
+       {&PointSample::position_mm, &PointSample::direction}) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (const PointSample& row : rows) to.push_back((row.*vector)[k]);
+      to.insert(to.end(), padding, 0.0f);
+    }
+  }
+}
+
+// The third rows of the viewpoints' rotations.
+std::vector<float> viewing_directions(const TreeLayer& leaves) {
+  const std::size_t count = leaves.viewpoints.size(), row = padded_samples(count);
+  std::vector<float> out(3 * row, 0.0f);
+  for (std::size_t v = 0; v < count; ++v) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      out[k * row + v] =
+          static_cast<float>(leaves.viewpoints[v].R_view_obj(2, static_cast<Eigen::Index>(k)));
+    }
+  }
+  return out;
+}
+
 // The header in front of the tables, with the checksum of all.
 void seal(ModelHeader& header, std::vector<std::uint8_t>& bytes) {
   std::memcpy(bytes.data(), &header, sizeof(header));
@@ -47,8 +72,7 @@ std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tre
   std::vector<std::uint8_t> bytes(sizeof(ModelHeader), 0);
 
   std::vector<Feature> features;
-  std::vector<SurfaceSample> surface;
-  std::vector<ContourSample> contour;
+  std::vector<float> samples;
   const int depths = static_cast<int>(tree.depths.size());
   for (int d = 0; d < depths; ++d) {
     const TreeLayer& layer = tree.depths[d];
@@ -62,13 +86,14 @@ std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tre
       to.child_first = from.child_first;
       to.child_count = from.child_count;
       if (d == depths - 1) {
-        to.surface_first = static_cast<std::uint32_t>(surface.size());
+        to.surface_first = static_cast<std::uint32_t>(samples.size());
         to.surface_count = static_cast<std::uint32_t>(views[v].surface.size());
-        to.contour_first = static_cast<std::uint32_t>(contour.size());
+        append_arrays(samples, views[v].surface);
+        to.contour_first = static_cast<std::uint32_t>(samples.size());
         to.contour_count = static_cast<std::uint32_t>(views[v].contour.size());
+        append_arrays(samples, views[v].contour);
+        to.outline_count = static_cast<std::uint32_t>(views[v].outline_count);
         to.sample_area_mm2 = static_cast<float>(views[v].sample_area_mm2);
-        append(surface, views[v].surface);
-        append(contour, views[v].contour);
       }
       viewpoints.push_back(to);
     }
@@ -92,8 +117,8 @@ std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tre
     header.depths[d].distance_count = layer.distance_count;
   }
   header.features = append_table(bytes, features);
-  header.surface = append_table(bytes, surface);
-  header.contour = append_table(bytes, contour);
+  header.samples = append_table(bytes, samples);
+  header.viewing_directions = append_table(bytes, viewing_directions(tree.leaves()));
   header.symmetry_turns = append_table(bytes, symmetry.turns);
   header.symmetry_axes = append_table(bytes, symmetry.axes);
   header.file_bytes = bytes.size();

@@ -35,6 +35,21 @@ constexpr double kSameMoveShare = 0.06;  // of the diameter
 constexpr std::size_t kCandidatesMax = 90;
 constexpr int kRefineIterations = 14;
 
+// Geman-McClure: full weight near zero, 1/25 where the distance reaches the scale.
+double robust_weight(double distance_mm, double scale_mm) {
+  const double k = 1 + 4 * distance_mm * distance_mm / (scale_mm * scale_mm);
+  return 1 / (k * k);
+}
+
+// Point to plane: `arm` from the pivot to the point.
+void add_residual(const Vec3& arm, const Vec3& n, double r, double w, NormalEquations& equations) {
+  Eigen::Matrix<double, 6, 1> J;
+  J << arm.cross(n), n;
+  equations.H += w * J * J.transpose();
+  equations.g += w * r * J;
+  ++equations.count;
+}
+
 double turn_between(const Mat3& A, const Mat3& B) {
   return rotation_angle_between(A, B);
 }
@@ -253,8 +268,8 @@ Pose SelfMatcher::refined(const Pose& move) const {
       const Vec3& n = tree_.normal(near.triangle);
       if (std::abs(n.dot(T.R * p.normal)) < kAlikeCos) continue;
       const double r = n.dot(x - near.point_mm);
-      equations.add(point_gradient(n, x, pivot), r,
-                    p.weight * robust_weight(near.distance_mm, scale_mm));
+      add_residual(x - pivot, n, r, p.weight * robust_weight(near.distance_mm, scale_mm),
+                   equations);
     }
     if (equations.count < 12) return T;
     // Where nothing holds the part, as along an extrusion, it stays.

@@ -123,6 +123,21 @@ void store(const Vec3& v, float* out) {
   for (int i = 0; i < 3; ++i) out[i] = static_cast<float>(v[i]);
 }
 
+// The order of their indices' reversed bits: of what was listed row by row, a prefix is spread
+// evenly.
+std::vector<PointSample> bit_reversed(const std::vector<PointSample>& samples) {
+  std::size_t all = 1;
+  while (all < samples.size()) all *= 2;
+  std::vector<PointSample> out;
+  out.reserve(samples.size());
+  for (std::size_t i = 0; i < all; ++i) {
+    std::size_t reversed = 0;
+    for (std::size_t bit = 1; bit < all; bit *= 2) reversed = 2 * reversed + ((i & bit) != 0);
+    if (reversed < samples.size()) out.push_back(samples[reversed]);
+  }
+  return out;
+}
+
 ViewSamples sample_view(const RenderedView& view, const CameraIntrinsics& camera,
                         const Pose& T_cam_obj, int patch_radius_px) {
   ViewSamples out;
@@ -136,25 +151,25 @@ ViewSamples sample_view(const RenderedView& view, const CameraIntrinsics& camera
     for (int x = 1 + stride / 2; x < view.width - 1; x += stride) {
       if (!(depth.at(x, y) > 0) || depth_step(depth, x, y).edge) continue;
       if (static_cast<int>(out.surface.size()) == kSurfaceSamplesMax) break;
-      SurfaceSample s{};
+      PointSample s{};
       store(T_obj_cam * camera.unproject(x, y, static_cast<double>(depth.at(x, y))), s.position_mm);
-      store(T_obj_cam.R * patch_normal(view, x, y, patch_radius_px), s.normal);
+      store(T_obj_cam.R * patch_normal(view, x, y, patch_radius_px), s.direction);
       out.surface.push_back(s);
     }
   }
+  out.surface = bit_reversed(out.surface);
   const double pixel_mm = T_cam_obj.t_mm.z() / camera.fx;
   out.sample_area_mm2 = stride * stride * pixel_mm * pixel_mm;
   const std::vector<EdgePixel> edges = find_edges(view, camera);
   for (const bool silhouettes : {true, false}) {
-    for (int i :
-         spread(edges, silhouettes, silhouettes ? kSilhouetteSamplesMax : kCreaseSamplesMax)) {
+    for (int i : spread(edges, silhouettes, silhouettes ? kOutlineSamplesMax : kCreaseSamplesMax)) {
       Vec3 tangent;
       if (!edge_tangent(edges[i], edges, tangent)) continue;
-      ContourSample c{};
+      PointSample c{};
       store(T_obj_cam * edges[i].position_cam, c.position_mm);
-      store(T_obj_cam.R * tangent, c.tangent);
-      c.is_silhouette = silhouettes ? 1.0f : 0.0f;
+      store(T_obj_cam.R * tangent, c.direction);
       out.contour.push_back(c);
+      out.outline_count += silhouettes;
     }
   }
   return out;

@@ -10,15 +10,22 @@
 
 namespace binpick::train {
 
+// Object coordinates; the direction of a surface sample is its outward normal, that of a contour
+// sample runs along the edge. Unit vectors.
+struct PointSample {
+  float position_mm[3];
+  float direction[3];
+};
+
 struct ViewSamples {
-  std::vector<SurfaceSample> surface;
-  std::vector<ContourSample> contour;
+  std::vector<PointSample> surface;  // in an order in which any prefix is spread over all of it
+  std::vector<PointSample> contour;  // the outline first, then creases
+  int outline_count = 0;
   double sample_area_mm2 = 0;  // projected area that one surface sample stands for
 };
 
-inline constexpr int kSurfaceSamplesMax = 320;
-inline constexpr int kSilhouetteSamplesMax = 128;
-inline constexpr int kCreaseSamplesMax = 64;
+inline constexpr int kOutlineSamplesMax = 128;
+inline constexpr int kCreaseSamplesMax = kContourSamplesMax - kOutlineSamplesMax;
 
 // One entry per leaf viewpoint, in order.
 std::vector<ViewSamples> make_view_samples(const Mesh& centred_mesh, const PoseTree& tree,

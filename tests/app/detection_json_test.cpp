@@ -53,7 +53,7 @@ TEST(DetectionJson, NamesEveryStageLevelAndReason) {
   report.level_count = 2;
   report.candidates = {100, 7, 0, 0, 0};
   report.templates_evaluated = {5000000000, 800, 0, 0, 0};
-  report.stage_ms[static_cast<int>(Stage::kIcp)] = 2.5;
+  report.stage_ms[static_cast<int>(Stage::kAlign)] = 2.5;
   report.dropped[static_cast<int>(DropReason::kDuplicate)] = 3;
   const auto json = to_json(report, std::vector<std::string>{});
   EXPECT_TRUE(json["detections"].is_array());
@@ -61,7 +61,7 @@ TEST(DetectionJson, NamesEveryStageLevelAndReason) {
   EXPECT_EQ(json["levels"][0]["templates_evaluated"], 5000000000);
   EXPECT_EQ(json["levels"][1]["candidates"], 7);
   EXPECT_EQ(json["stage_ms"].size(), static_cast<std::size_t>(kStageCount));
-  EXPECT_EQ(json["stage_ms"][stage_name(Stage::kIcp)], 2.5);
+  EXPECT_EQ(json["stage_ms"][stage_name(Stage::kAlign)], 2.5);
   EXPECT_EQ(json["dropped"].size(), static_cast<std::size_t>(kDropReasonCount));
   EXPECT_EQ(json["dropped"][drop_reason_name(DropReason::kDuplicate)], 3);
 }

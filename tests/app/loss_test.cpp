@@ -64,24 +64,24 @@ TEST(Loss, GoesToTheStageAfterTheLastSighting) {
   EXPECT_THAT(cause(seen_until(Checkpoint::kScanned)).why, HasSubstr("scan: found, but beyond"));
   EXPECT_THAT(cause(seen_until(Checkpoint::kSelected1)).why, HasSubstr("descent 2: nothing"));
   EXPECT_EQ(cause(seen_until(Checkpoint::kSelected3)).loss, Loss::kRefinement);
-  EXPECT_EQ(cause(seen_until(Checkpoint::kScreened)).loss, Loss::kSuppression);
-  EXPECT_THAT(cause(seen_until(Checkpoint::kScreened)).why, HasSubstr("number 4 of 40"));
-  EXPECT_EQ(cause(seen_until(Checkpoint::kPnp)).loss, Loss::kRefinement);
-  EXPECT_EQ(cause(seen_until(Checkpoint::kIcp)).loss, Loss::kSuppression);
-  EXPECT_EQ(cause(seen_until(Checkpoint::kIcpSelected)).loss, Loss::kRefinement);
-  EXPECT_EQ(cause(seen_until(Checkpoint::kRefined)).loss, Loss::kSuppression);
+  EXPECT_EQ(cause(seen_until(Checkpoint::kScored)).loss, Loss::kSuppression);
+  EXPECT_THAT(cause(seen_until(Checkpoint::kScored)).why, HasSubstr("number 4 of 40"));
+  EXPECT_EQ(cause(seen_until(Checkpoint::kScoreSelected)).loss, Loss::kRefinement);
+  EXPECT_EQ(cause(seen_until(Checkpoint::kAlignedCoarse)).loss, Loss::kSuppression);
+  EXPECT_EQ(cause(seen_until(Checkpoint::kCoarseSelected)).loss, Loss::kRefinement);
+  EXPECT_EQ(cause(seen_until(Checkpoint::kAlignedFine)).loss, Loss::kSuppression);
 }
 
-// A tree that begins deeper has no third descent: the stage after it is screening.
+// A tree that begins deeper has no third descent: the stage after it is scoring.
 TEST(Loss, SkipsStagesThatWereNotPassed) {
   TargetFinding t = seen_until(Checkpoint::kSelected2);
   t.finding.sightings[static_cast<std::size_t>(Checkpoint::kDescended3)] = {};
   t.finding.sightings[static_cast<std::size_t>(Checkpoint::kSelected3)] = {};
-  EXPECT_THAT(cause(t).why, HasSubstr("screening"));
+  EXPECT_THAT(cause(t).why, HasSubstr("scoring"));
 }
 
 TEST(Loss, TellsVerificationFromRankingInTheExplanation) {
-  TargetFinding t = seen_until(Checkpoint::kRefinedSelected);
+  TargetFinding t = seen_until(Checkpoint::kFineSelected);
   t.finding.last_drop = DropReason::kOverlapsBetter;
   EXPECT_EQ(cause(t).loss, Loss::kRanking);
   t.finding.last_drop = DropReason::kBelowMinScore;
@@ -109,7 +109,7 @@ TEST(Loss, CountsWhatStopsEvenTheTruth) {
 }
 
 TEST(Loss, BlamesTheDataWhereTheyDoNotTell) {
-  TargetFinding t = seen_until(Checkpoint::kRefinedSelected);
+  TargetFinding t = seen_until(Checkpoint::kFineSelected);
   add_rival(t, 2);
   EXPECT_EQ(cause(t).loss, Loss::kData);
   add_rival(t, 60);
@@ -126,7 +126,7 @@ TEST(Loss, BlamesTheDataWhereTheyDoNotTell) {
 }
 
 TEST(Loss, TellsRefinementFromDataAndFromAWrongTruth) {
-  TargetFinding t = seen_until(Checkpoint::kIcp);
+  TargetFinding t = seen_until(Checkpoint::kAlignedCoarse);
   t.finding.from_truth.error = 2.5;
   t.moved.advantage_px = 80;
   EXPECT_EQ(cause(t).loss, Loss::kRefinement) << "it leaves a truth that fits better";

@@ -1,5 +1,5 @@
 // What a diagnosis sees of a detection, and that the detection does not see the diagnosis.
-#include "binpick/detect/diagnosis.hpp"
+#include "binpick/diagnosis/diagnosis.hpp"
 
 #include <gtest/gtest.h>
 
@@ -39,9 +39,9 @@ TEST(Diagnosis, FollowsAFoundPartToTheEnd) {
   ASSERT_TRUE(rig.diagnosed(scene.frame(), scene.truth, findings).ok());
   for (const ReferenceFinding& f : findings) {
     for (const Checkpoint c :
-         {Checkpoint::kScanned, Checkpoint::kScanSelected, Checkpoint::kScreened,
-          Checkpoint::kScreenSelected, Checkpoint::kPnp, Checkpoint::kIcp, Checkpoint::kIcpSelected,
-          Checkpoint::kRefined, Checkpoint::kRefinedSelected, Checkpoint::kAccepted}) {
+         {Checkpoint::kScanned, Checkpoint::kScanSelected, Checkpoint::kScored,
+          Checkpoint::kScoreSelected, Checkpoint::kAlignedCoarse, Checkpoint::kCoarseSelected,
+          Checkpoint::kAlignedFine, Checkpoint::kFineSelected, Checkpoint::kAccepted}) {
       EXPECT_TRUE(at(f, c).seen()) << checkpoint_name(c);
       EXPECT_LT(at(f, c).place, at(f, c).count) << checkpoint_name(c);
     }
@@ -63,16 +63,16 @@ TEST(Diagnosis, FollowsAFoundPartToTheEnd) {
 }
 
 // Two parts of one shape: whatever explains the one explains the other.
-TEST(Diagnosis, ScoresThePoseFromTheTruthBesideItsRivals) {
+TEST(Diagnosis, ScoresThePoseFromTheTruthBesideItsConflicts) {
   const BracketScene scene = render_brackets(bracket_camera(), three_brackets(), 0.1);
   DiagnosisRig alone, twice({bracket_model(), bracket_model()});
-  std::vector<ReferenceFinding> without_rival, with_rival;
-  ASSERT_TRUE(alone.diagnosed(scene.frame(), scene.truth, without_rival).ok());
-  const auto report = twice.diagnosed(scene.frame(), scene.truth, with_rival);
+  std::vector<ReferenceFinding> without_conflict, with_conflict;
+  ASSERT_TRUE(alone.diagnosed(scene.frame(), scene.truth, without_conflict).ok());
+  const auto report = twice.diagnosed(scene.frame(), scene.truth, with_conflict);
   ASSERT_TRUE(report.ok());
   for (std::size_t i = 0; i < scene.truth.size(); ++i) {
-    const double score = with_rival[i].from_truth.detection.score;
-    EXPECT_LT(score, without_rival[i].from_truth.detection.score - 0.002);
+    const double score = with_conflict[i].from_truth.detection.score;
+    EXPECT_LT(score, without_conflict[i].from_truth.detection.score - 0.002);
     const auto found = report.value().detections;
     EXPECT_TRUE(std::any_of(found.begin(), found.end(), [&](const Detection& d) {
       return pose_error(d.T_cam_obj, scene.truth[i]).within(1, 1) &&

@@ -61,8 +61,42 @@ TEST(Model, IsReadAsItWasWritten) {
     for (const TemplateRange& t : model.depth(d).templates) EXPECT_GT(model.features(t).size(), 0u);
   }
   for (const Viewpoint& v : model.depth(1).viewpoints) {
-    EXPECT_GT(model.surface(v).size(), 50u);
-    EXPECT_GT(model.contour(v).size(), 20u);
+    EXPECT_GT(model.surface(v).count, 50);
+    EXPECT_GT(model.contour(v).count, 20);
+    EXPECT_GT(v.outline_count, 0u);
+  }
+}
+
+TEST(Model, ReadsSamplesAsPaddedArrays) {
+  const Result<ObjectModel> result = ObjectModel::parse(good());
+  ASSERT_TRUE(result.ok());
+  const ObjectModel& model = result.value();
+  for (const Viewpoint& v : model.depth(1).viewpoints) {
+    for (const SampleArrays& s : {model.surface(v), model.contour(v)}) {
+      EXPECT_LE(s.first(3).count, s.count);
+      const auto padded = static_cast<int>(padded_samples(static_cast<std::uint64_t>(s.count)));
+      const float* const arrays[] = {s.x, s.y, s.z, s.dx, s.dy, s.dz};
+      for (int i = 0; i < s.count; ++i) {
+        EXPECT_NEAR(1, Eigen::Vector3f(s.dx[i], s.dy[i], s.dz[i]).norm(), 1e-5) << i;
+        EXPECT_LT(Eigen::Vector3f(s.x[i], s.y[i], s.z[i]).norm(), model.info().diameter_mm) << i;
+      }
+      for (const float* array : arrays) {
+        for (int i = s.count; i < padded; ++i) EXPECT_EQ(0, array[i]);
+      }
+    }
+  }
+}
+
+TEST(Model, ListsWhereItsLeavesLook) {
+  const Result<ObjectModel> result = ObjectModel::parse(good());
+  ASSERT_TRUE(result.ok());
+  const std::span<const Viewpoint> leaves = result.value().depth(1).viewpoints;
+  const SampleArrays d = result.value().viewing_directions();
+  ASSERT_EQ(leaves.size(), static_cast<std::size_t>(d.count));
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    EXPECT_EQ(leaves[i].R_view_obj[6], d.x[i]);
+    EXPECT_EQ(leaves[i].R_view_obj[7], d.y[i]);
+    EXPECT_EQ(leaves[i].R_view_obj[8], d.z[i]);
   }
 }
 
@@ -141,8 +175,8 @@ TEST(Model, HostileTablesAreRefused) {
   for (const std::uint64_t huge : kHuge) {
     const std::function<ModelTable&(ModelHeader&)> tables[] = {
         [](ModelHeader& h) -> ModelTable& { return h.features; },
-        [](ModelHeader& h) -> ModelTable& { return h.surface; },
-        [](ModelHeader& h) -> ModelTable& { return h.contour; },
+        [](ModelHeader& h) -> ModelTable& { return h.samples; },
+        [](ModelHeader& h) -> ModelTable& { return h.viewing_directions; },
         [](ModelHeader& h) -> ModelTable& { return h.symmetry_turns; },
         [](ModelHeader& h) -> ModelTable& { return h.symmetry_axes; },
         [](ModelHeader& h) -> ModelTable& { return h.depths[0].viewpoints; },
@@ -189,9 +223,21 @@ TEST(Model, HostileTreesAreRefused) {
       viewpoint(0, [](Viewpoint& v) { v.child_count = 10000; }),
       viewpoint(1, [](Viewpoint& v) { v.child_count = 1; }),  // leaves have none
       viewpoint(1, [](Viewpoint& v) { v.surface_first = 0xFFFFFFFF; }),
+      viewpoint(1, [](Viewpoint& v) { v.surface_first = 0xFFFFFFF8; }),
+      viewpoint(1, [](Viewpoint& v) { v.surface_first += 1; }),  // arrays begin at whole steps
       viewpoint(1, [](Viewpoint& v) { v.surface_count = 0xFFFFFFFF; }),
+      // More than the detector has room for, though the table holds as many.
+      viewpoint(1, [](Viewpoint& v) { v.surface_first = 0, v.surface_count = 321; }),
       viewpoint(1, [](Viewpoint& v) { v.contour_first = 0xFFFFFFF0; }),
+      viewpoint(1, [](Viewpoint& v) { v.contour_first += 4; }),
       viewpoint(1, [](Viewpoint& v) { v.contour_count = 0x10000000; }),
+      viewpoint(1, [](Viewpoint& v) { v.contour_first = 0, v.contour_count = 193; }),
+      viewpoint(1, [](Viewpoint& v) { v.outline_count = v.contour_count + 1; }),
+      viewpoint(1, [](Viewpoint& v) { v.outline_count = 0xFFFFFFFF; }),
+      // The last arrays reach beyond the table.
+      [](ModelHeader& h, Bytes&) { h.samples.count -= 8; },
+      [](ModelHeader& h, Bytes&) { h.viewing_directions.count -= 8; },
+      [](ModelHeader& h, Bytes&) { h.viewing_directions.count = 0; },
       viewpoint(1,
                 [](Viewpoint& v) { v.R_view_obj[4] = std::numeric_limits<float>::quiet_NaN(); })};
   int index = 0;
@@ -245,11 +291,13 @@ TEST(Model, HostileParametersAreRefused) {
 
 TEST(Model, HostileSamplesAreRefused) {
   const float inf = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(ErrorCode::kModelInconsistent,
+            parsed_after([&](ModelHeader& h, Bytes& b) { row<float>(b, h.samples, 3) = inf; }));
   EXPECT_EQ(ErrorCode::kModelInconsistent, parsed_after([&](ModelHeader& h, Bytes& b) {
-              row<SurfaceSample>(b, h.surface, 3).position_mm[2] = inf;
+              row<float>(b, h.samples, h.samples.count - 1) = inf;
             }));
   EXPECT_EQ(ErrorCode::kModelInconsistent, parsed_after([&](ModelHeader& h, Bytes& b) {
-              row<ContourSample>(b, h.contour, 3).tangent[0] = inf;
+              row<float>(b, h.viewing_directions, 2) = -inf;
             }));
 }
 
@@ -275,7 +323,9 @@ TEST(Model, RandomWordsWithARepairedChecksumNeverCrash) {
         for (const Feature& f : model.features(t)) touched += f.gradient_bits;
       }
       for (const Viewpoint& v : model.depth(d).viewpoints) {
-        touched += model.surface(v).size() + model.contour(v).size();
+        for (const SampleArrays& s : {model.surface(v), model.contour(v)}) {
+          for (int k = 0; k < s.count; ++k) touched += s.x[k] < s.dz[k];
+        }
       }
     }
     EXPECT_GT(touched, 0u);

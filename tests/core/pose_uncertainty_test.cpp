@@ -19,8 +19,7 @@ struct SeenScene {
         pyramid(plan.pyramid, arena) {
     SerialPool pool;
     const Frame frame = from.frame();
-    pyramid.build(frame, region_of(frame, plan).value(), plan.normal_codebook,
-                  simd::make_kernel_table(Isa::kBest), pool);
+    pyramid.build(frame, region_of(frame, plan).value(), plan.normal_codebook, kernels, pool);
   }
   static DetectorLimits limits_of(const CameraIntrinsics& camera) {
     DetectorLimits limits;
@@ -28,6 +27,7 @@ struct SeenScene {
     limits.image_height = camera.height;
     return limits;
   }
+  simd::KernelTable kernels = simd::make_kernel_table(Isa::kBest);
   DetectorPlan plan;
   Arena arena;
   FeaturePyramid pyramid;
@@ -38,8 +38,7 @@ PoseUncertainty uncertainty_at(const BracketScene& scene, const Pose& T_cam_obj)
   const SeenScene seen(scene);
   Pose T = T_cam_obj;
   T.t_mm += T.R * model.centre_mm();
-  const Scene shown(seen.pyramid);
-  return pose_uncertainty(model, shown, refine_params(model, shown, T), T);
+  return pose_uncertainty(model, Scene(seen.pyramid, seen.kernels.pose), T);
 }
 
 TEST(PoseUncertainty, IsSmallWhereThreeFacesAndTheOutlineShow) {

@@ -1,8 +1,8 @@
-// One bracket on a plane, as the pose stages see it.
+// One bracket on a plane, as the pose steps see it.
 #pragma once
 
 #include "bracket.hpp"
-#include "pose/part_moves.hpp"
+#include "pose/hypothesis.hpp"
 #include "pose/scene.hpp"
 
 namespace binpick {
@@ -13,28 +13,41 @@ struct SeenBracket {
       : model(part),
         images(render_brackets(bracket_camera(), {T_cam_obj}, noise_mm)),
         plan{images.camera.width, images.camera.height, 3, 64, {}},
-        arena(FeaturePyramid::footprint(plan) + moves_bytes()),
+        arena(FeaturePyramid::footprint(plan) + symmetry_bytes()),
         pyramid(plan, arena),
-        moves{PartMoves(model, arena)},
+        symmetries{SymmetryTransforms(model, arena)},
         truth{T_cam_obj.R, T_cam_obj * model.centre_mm()} {
-    pyramid.build(images.frame(), {0, 0, images.camera.width / 4 * 4, images.camera.height / 4 * 4},
-                  NormalCodebook::kHemisphere, simd::make_kernel_table(Isa::kBest), pool);
+    look();
   }
-  PoseContext context(const Scene& scene) { return {{&model, 1}, moves, scene, pool, {}}; }
+  // At the images as they are now.
+  void look() { look_at(images.frame()); }
+  void without_depth() {
+    Frame frame = images.frame();
+    frame.depth_mm = {};
+    look_at(frame);
+  }
+  Scene scene() const { return Scene(pyramid, kernels.pose); }
+  // The scene outlives the context.
+  PoseContext context(const Scene& scene) { return {{&model, 1}, symmetries, scene, pool, {}}; }
 
   SerialPool pool;
+  simd::KernelTable kernels = simd::make_kernel_table(Isa::kBest);
   const ObjectModel& model;
   BracketScene images;
   PyramidPlan plan;
   Arena arena;
   FeaturePyramid pyramid;
-  std::vector<PartMoves> moves;
+  std::vector<SymmetryTransforms> symmetries;
   Pose truth;  // of the part's centre
 
  private:
-  std::size_t moves_bytes() const {
+  void look_at(const Frame& frame) {
+    pyramid.build(frame, {0, 0, images.camera.width / 4 * 4, images.camera.height / 4 * 4},
+                  NormalCodebook::kHemisphere, kernels, pool);
+  }
+  std::size_t symmetry_bytes() const {
     ArenaPlan counted;
-    PartMoves::plan(model, counted);
+    SymmetryTransforms::plan(model, counted);
     return counted.bytes;
   }
 };

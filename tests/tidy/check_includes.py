@@ -3,6 +3,7 @@
 
 core/        the C++ library without files, clocks, threads and printing; Eigen; Highway
 core/train/  core, the whole C++ library, POSIX, assimp, OSMesa
+core/diagnosis/  core, and the libraries that core may use but for Highway; core does not know it
 drivers/     of core only base, frame and geometry; image and JSON libraries; never app;
              Aravis in drivers/aravis/, libusb in drivers/usb/, Highway in drivers/genicam/
 app/         public headers of core and drivers, its own private ones; neither assimp nor OSMesa;
@@ -40,6 +41,7 @@ CORE_EXCEPTIONS = {("core/base/assert.cpp", "cstdio")}  # the last words before 
 ALLOWED_LIBRARIES = {
     "core": {"std", "Eigen", "Highway"},
     "train": {"std", "POSIX", "Eigen", "assimp", "OSMesa"},
+    "diagnosis": {"std", "Eigen"},
     "drivers": {"std", "POSIX", "Eigen", "Highway", "OpenCV", "nlohmann", "Aravis", "libusb"},
     "app": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "CLI11", "tomlplusplus", "libmodbus",
             "zlib", "Bullet"},
@@ -47,8 +49,9 @@ ALLOWED_LIBRARIES = {
 ALLOWED_AREAS = {
     "core": {"core"},
     "train": {"train", "core"},
+    "diagnosis": {"diagnosis", "core"},
     "drivers": {"drivers", "core"},
-    "app": {"app", "drivers", "train", "core"},
+    "app": {"app", "drivers", "train", "diagnosis", "core"},
 }
 SHARED_BY_DRIVERS = "genicam"  # payloads and formats: no device library
 # Libraries that belong into some folders only.
@@ -64,15 +67,17 @@ MODBUS_SEES = ("app/modbus/", "app/clock.hpp", "app/setup_error.hpp", "core/incl
 DRIVERS_SEE_OF_CORE = {"base", "frame", "geometry"}
 # Where a private header may stand, seen from the area that includes it.
 PRIVATE_ROOTS = {
-    "core": ("core",), "train": ("core/train", "core"), "drivers": ("drivers",), "app": ("app",),
+    "core": ("core",), "train": ("core/train", "core"), "diagnosis": ("core",),
+    "drivers": ("drivers",), "app": ("app",),
 }
 PUBLIC_ROOTS = ("core/include", "drivers/include")
 
 
 def area_of(relative):
     """The layer that a file belongs to, from its path below the root."""
-    if relative.startswith(("core/train/", "core/include/binpick/train/")):
-        return "train"
+    for area in ("train", "diagnosis"):
+        if relative.startswith((f"core/{area}/", f"core/include/binpick/{area}/")):
+            return area
     return relative.split("/")[0]
 
 
@@ -137,7 +142,8 @@ def fault_of_library(relative, area, target, quoted):
         return f"{area} may not use {library}"
     if not relative.startswith(LIBRARY_FOLDERS.get(library, "")):
         return f"{library} belongs into {' or '.join(LIBRARY_FOLDERS[library])}"
-    if area == "core" and target in NOT_IN_CORE and (relative, target) not in CORE_EXCEPTIONS:
+    exempt = area not in ("core", "diagnosis") or (relative, target) in CORE_EXCEPTIONS
+    if target in NOT_IN_CORE and not exempt:
         return "core has no files, clocks, threads or printing of its own"
     return None
 

@@ -37,6 +37,7 @@ class IncludesTest(TreeTest):
                      "core/include/binpick/frame/frame.hpp",
                      "core/include/binpick/detect/detector.hpp",
                      "core/include/binpick/train/mesh.hpp",
+                     "core/include/binpick/diagnosis/diagnosis.hpp", "core/diagnosis/start.hpp",
                      "core/search/scan.hpp", "core/train/histogram.hpp", "app/cli/commands.hpp",
                      "drivers/include/binpick/drivers/camera.hpp", "drivers/fake/pattern.hpp",
                      "drivers/replay/recording.hpp"):
@@ -51,15 +52,19 @@ class IncludesTest(TreeTest):
                     '"binpick/base/arena.hpp"', '"hwy/highway.h"', "<atomic>")
         self.faults("core/train/trainer.cpp", '"histogram.hpp"', '"search/scan.hpp"', "<thread>",
                     "<assimp/scene.h>", "<GL/osmesa.h>", "<sys/wait.h>", '"binpick/train/mesh.hpp"')
+        self.faults("core/diagnosis/start.cpp", '"diagnosis/start.hpp"', '"search/scan.hpp"',
+                    '"binpick/diagnosis/diagnosis.hpp"', "<vector>", "<Eigen/Core>")
         self.faults("drivers/replay/recording.cpp", '"recording.hpp"', "<opencv2/imgcodecs.hpp>",
                     '"binpick/frame/frame.hpp"', '"binpick/drivers/camera.hpp"')
         self.faults("tests/core/scan_test.cpp", '"search/scan.hpp"', "<gtest/gtest.h>")
         self.faults("app/main.cpp", '"cli/commands.hpp"', "<CLI/CLI.hpp>", "<chrono>",
-                    '"binpick/detect/detector.hpp"', '"binpick/drivers/camera.hpp"')
+                    '"binpick/detect/detector.hpp"', '"binpick/drivers/camera.hpp"',
+                    '"binpick/diagnosis/diagnosis.hpp"')
         self.assertEqual(check_includes.check(self.root), [])
 
     def test_core_knows_no_upper_folder(self):
-        for target in ('"binpick/drivers/camera.hpp"', '"binpick/train/mesh.hpp"'):
+        for target in ('"binpick/drivers/camera.hpp"', '"binpick/train/mesh.hpp"',
+                       '"diagnosis/start.hpp"', '"binpick/diagnosis/diagnosis.hpp"'):
             self.assert_one_fault(self.faults("core/search/scan.cpp", target), "core may not know")
 
     def test_core_does_not_reach_app_by_a_relative_path(self):
@@ -78,6 +83,17 @@ class IncludesTest(TreeTest):
     def test_training_knows_no_upper_folder(self):
         self.assert_one_fault(self.faults("core/train/trainer.cpp", '"binpick/drivers/camera.hpp"'),
                               "train may not know drivers")
+
+    def test_diagnosis_is_held_to_what_core_is(self):
+        for target in ("<fstream>", "<thread>"):
+            self.assert_one_fault(self.faults("core/diagnosis/start.cpp", target), "of its own")
+        for target in ('"binpick/train/mesh.hpp"', '"binpick/drivers/camera.hpp"'):
+            self.assert_one_fault(self.faults("core/diagnosis/start.cpp", target),
+                                  "diagnosis may not know")
+
+    def test_app_sees_the_diagnosis_from_outside(self):
+        self.assert_one_fault(self.faults("app/main.cpp", '"../core/diagnosis/start.hpp"'),
+                              "a private header of diagnosis")
 
     def test_drivers_see_little_of_core(self):
         self.assert_one_fault(self.faults("drivers/fake/fake.cpp", '"binpick/detect/detector.hpp"'),
@@ -156,6 +172,10 @@ class StyleTest(TreeTest):
 
     def test_finds_header_faults(self):
         self.assert_one_fault(self.faults("core/base/a.hpp", "int a();\n"), "#pragma once")
+        self.write("core/base/a-inl.hpp", "int a();\n")
+        self.assertEqual(self.faults("core/base/a.cpp", '#include "a.hpp"\n#include "a-inl.hpp"\n'),
+                         [])
+        (self.root / "core/base/a-inl.hpp").unlink()
         text = "#pragma once\nusing namespace std;\n"
         self.assert_one_fault(self.faults("core/base/a.hpp", text), "using namespace")
 

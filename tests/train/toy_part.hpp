@@ -64,4 +64,23 @@ inline TrainOptions toy_options() {
   return options;
 }
 
+// Enough to see every stage of training at work.
+inline TrainOptions small_options() {
+  TrainOptions options = toy_options();
+  options.tree_depths = 2;
+  options.tilt_max_deg = 22;  // seven leaves: one from above, six from beside it
+  options.roll_interval_deg = 30;
+  options.samples = 30;
+  options.gradient_threshold = 3;
+  options.normal_threshold = 6;
+  return options;
+}
+
+inline ImportedMesh imported(Mesh mesh) {
+  ImportedMesh part;
+  part.mesh = std::move(mesh);
+  part.source_hash = 42;
+  return part;
+}
+
 }  // namespace binpick::train

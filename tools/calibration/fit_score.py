@@ -104,7 +104,7 @@ def load(argument):
 
 
 # Evidence against a pose; all other terms speak for it. No weight may have the other sign.
-AGAINST = {'contradicted', 'hidden', 'outline_continued', 'outline_offset', 'stray_edges', 'rivals'}
+AGAINST = {'contradicted', 'hidden', 'outline_bare', 'outline_offset', 'conflicts'}
 
 
 def fit(names, terms, right, weight):

@@ -71,10 +71,12 @@ struct Viewpoint {
   std::int32_t parent;       // index at the depth above; -1 at depth 0
   std::int32_t child_first;  // children at the depth below are consecutive
   std::int32_t child_count;
-  std::uint32_t surface_first, surface_count;  // leaves only: samples seen from here
+  // Leaves only: samples seen from here. `first` is the place of x[0] in the table of samples.
+  std::uint32_t surface_first, surface_count;
   std::uint32_t contour_first, contour_count;
-  float sample_area_mm2;  // leaves only: projected area, at the reference distance, that one
-                          // surface sample stands for
+  std::uint32_t outline_count;  // of the contour samples; the rest are on creases
+  float sample_area_mm2;        // leaves only: projected area, at the reference distance, that one
+                                // surface sample stands for
 };
 
 // One depth of the balanced pose tree: the product of viewpoints, rolls and distances.
@@ -85,18 +87,28 @@ struct TreeDepth {
   std::span<const TemplateRange> templates;  // viewpoint-major: [viewpoint * roll_count + roll]
 };
 
-// A point of the visible surface, in object coordinates.
-struct SurfaceSample {
-  float position_mm[3];
-  float normal[3];
-};
+// Points that a leaf viewpoint shows, as a structure of arrays in object coordinates: positions in
+// mm, and unit directions. Each array is padded with zeros to a multiple of kSampleLanes, so that
+// vector code needs no special end.
+inline constexpr int kSampleLanes = 8;
+inline constexpr int kSurfaceSamplesMax = 320;
+inline constexpr int kContourSamplesMax = 192;
 
-// A point of the contour generator or of a sharp crease, in object coordinates.
-struct ContourSample {
-  float position_mm[3];
-  float tangent[3];     // unit direction of the edge
-  float is_silhouette;  // 1: depth jumps here; 0: a crease
+struct SampleArrays {
+  int count = 0;
+  const float *x = nullptr, *y = nullptr, *z = nullptr;
+  const float *dx = nullptr, *dy = nullptr, *dz = nullptr;
+
+  // The first `n`.
+  SampleArrays first(int n) const {
+    SampleArrays out = *this;
+    out.count = n;
+    return out;
+  }
 };
+inline std::uint64_t padded_samples(std::uint64_t count) {
+  return (count + kSampleLanes - 1) / kSampleLanes * kSampleLanes;
+}
 
 class ObjectModel {
  public:
@@ -110,12 +122,16 @@ class ObjectModel {
   std::span<const Feature> features(const TemplateRange& t) const {
     return features_.subspan(t.first, t.count);
   }
-  std::span<const SurfaceSample> surface(const Viewpoint& v) const {
-    return surface_.subspan(v.surface_first, v.surface_count);
+  // The visible surface; directions are outward normals. Any prefix is spread over all of it.
+  SampleArrays surface(const Viewpoint& v) const {
+    return arrays(v.surface_first, v.surface_count);
   }
-  std::span<const ContourSample> contour(const Viewpoint& v) const {
-    return contour_.subspan(v.contour_first, v.contour_count);
+  // The outline, where depth jumps, and then sharp creases; directions are along the edge.
+  SampleArrays contour(const Viewpoint& v) const {
+    return arrays(v.contour_first, v.contour_count);
   }
+  // Of the leaf viewpoints, in their order: where each looks, in object axes. Positions only.
+  SampleArrays viewing_directions() const { return viewing_directions_; }
 
   // Of the part's shape, in the coordinates of its samples.
   const PartSymmetry& symmetry() const { return symmetry_; }
@@ -138,6 +154,7 @@ class ObjectModel {
   Error read_depth(std::span<const std::uint8_t> bytes, const ModelHeader& header, int d);
   Error read_symmetry(std::span<const std::uint8_t> bytes, const ModelHeader& header);
   Error check_viewpoints(int d) const;
+  SampleArrays arrays(std::uint64_t first, std::uint64_t count) const;
   void place_distances();
 
   struct DistanceNode {
@@ -149,8 +166,8 @@ class ObjectModel {
   TreeDepth depths_[kModelDepthsMax];
   DistanceNode distances_[kModelDepthsMax][kModelDistancesMax];
   std::span<const Feature> features_;
-  std::span<const SurfaceSample> surface_;
-  std::span<const ContourSample> contour_;
+  std::span<const float> samples_;
+  SampleArrays viewing_directions_;
   PartSymmetry symmetry_;
   std::size_t bytes_total_ = 0;
 };

@@ -19,17 +19,14 @@ enum class ScoreTerm : int {
   kContradicted,      // share of the visible surface with something measured behind it
   kHidden,            // share of it with something in front
   kOutlineSteps,      // share of the visible outline on a depth step of its direction
-  kOutlineContinued,  // share of it with one smooth surface on both sides
+  kOutlineBare,       // without depth: share of it with no edge beside it; else 0
   kOutlineOffset,     // px from the outline to the image edges beside it, on average
   kCreases,           // share of the visible creases on an image edge
   kTemplate,          // score of the matched template, 0..2; without depth 0..1
-  kWeakestSide,       // log of: share of the outline on an image edge, on the side with least;
-                      // without depth alone, as is the next
-  kStrayEdges,        // share of the visible surface, away from its contours, on an image edge
-  kRivals,            // log of: odds of the pose and of the others that explain the same pixels,
+  kConflicts,         // log of: odds of the pose and of the others that explain the same pixels,
                       // over its own; 0 where there are no others
 };
-inline constexpr int kScoreTermCount = 14;
+inline constexpr int kScoreTermCount = 12;
 const char* score_term_name(ScoreTerm term);  // snake_case, as written to CSV
 using ScoreTerms = std::array<double, kScoreTermCount>;
 
@@ -51,7 +48,7 @@ struct Detection {
 
 // Measured pixels (without depth: pixels) that a better detection explains already: beyond this
 // share it is the same part again.
-inline constexpr double kOwnedShareMax = 0.35;
+inline constexpr double kCoveredShareMax = 0.35;
 
 // Why a candidate did not become a detection.
 enum class DropReason : int {
@@ -69,19 +66,18 @@ enum class DropReason : int {
 inline constexpr int kDropReasonCount = 10;
 const char* drop_reason_name(DropReason reason);  // snake_case, as written to JSON
 
+// The steps of a detection, as ARCHITECTURE.md lists them.
 enum class Stage : int {
   kPyramid = 0,
   kScan,
   kDescend,
-  kScreen,
-  kSuppress,
-  kPnp,
-  kIcp,
-  kRefine,
+  kScore,
+  kAlign,
   kVerify,
-  kExplain
+  kSelect,
+  kAlternatives
 };
-inline constexpr int kStageCount = 10;
+inline constexpr int kStageCount = 8;
 const char* stage_name(Stage stage);
 
 inline constexpr int kTreeLevelsMax = 5;

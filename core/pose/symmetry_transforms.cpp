@@ -1,0 +1,143 @@
+#include "pose/symmetry_transforms.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "binpick/geometry/angle.hpp"
+#include "pose/view_lookup.hpp"
+
+namespace binpick {
+namespace {
+
+// About a near axis: refinement finds the rest from half a step off.
+constexpr int kAnglesPerAxis = 32;
+// Two transforms nearer than this are one.
+constexpr double kSameShare = 0.02;  // of the diameter
+constexpr double kSameAngle = 4 * kDegree;
+
+std::size_t near_max(const ObjectModel& model) {
+  const PartSymmetry& s = model.symmetry();
+  return s.near_turns.size() + s.near_axes.size() * (kAnglesPerAxis - 1);
+}
+
+bool within(const Pose& a, const Pose& b, double position_mm, double rotation_rad) {
+  return (a.t_mm - b.t_mm).squaredNorm() < position_mm * position_mm &&
+         rotation_angle_between(a.R, b.R) < rotation_rad;
+}
+
+}  // namespace
+
+void SymmetryTransforms::plan(const ObjectModel& model, ArenaPlan& plan) {
+  plan.take<Pose>(model.symmetry().exact_turns.size());
+  plan.take<Pose>(near_max(model));
+}
+
+SymmetryTransforms::SymmetryTransforms(const ObjectModel& model, Arena& arena)
+    : exact_(arena.take<Pose>(model.symmetry().exact_turns.size())),
+      near_(arena.take<Pose>(near_max(model))) {
+  const PartSymmetry& symmetry = model.symmetry();
+  for (std::size_t i = 0; i < exact_.size(); ++i) {
+    exact_[i] = move_of(symmetry.exact_turns[i]);
+    reach_mm_ = std::max(reach_mm_, exact_[i].t_mm.norm());
+  }
+  axis_count_ = static_cast<int>(std::min<std::size_t>(symmetry.exact_axes.size(), 2));
+  if (axis_count_ > 0) {
+    const SymmetryAxis& a = symmetry.exact_axes.front();
+    axis_ = vector_of(a.axis);
+    point_mm_ = vector_of(a.point_mm);
+    reach_mm_ += 2 * point_mm_.norm();
+  }
+  std::size_t count = 0;
+  const auto add = [&](const Pose& move) {
+    const double limit_mm = kSameShare * model.info().diameter_mm;
+    const auto known = [&](const Pose& other) { return same(other, move, limit_mm, kSameAngle); };
+    if (known(Pose{}) ||
+        std::any_of(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(count), known))
+      return;
+    near_[count++] = move;
+  };
+  for (const SymmetryTurn& t : symmetry.near_turns) add(move_of(t));
+  rotation_count_ = count;
+  for (const SymmetryAxis& a : symmetry.near_axes) {
+    for (int i = 1; i < kAnglesPerAxis; ++i) add(move_about(a, i * 2 * kPi / kAnglesPerAxis));
+  }
+  near_ = near_.first(count);
+}
+
+bool SymmetryTransforms::same(const Pose& a, const Pose& b, double position_mm,
+                              double rotation_rad) const {
+  const double reach = position_mm + reach_mm_;
+  if ((a.t_mm - b.t_mm).squaredNorm() >= reach * reach) return false;
+  if (axis_count_ > 1) return (a.t_mm - b.t_mm).squaredNorm() < position_mm * position_mm;
+  if (axis_count_ == 1) {
+    if (same_about_axis(a, b, position_mm, rotation_rad)) return true;
+    return std::any_of(exact_.begin(), exact_.end(), [&](const Pose& move) {
+      return same_about_axis(a * move, b, position_mm, rotation_rad);
+    });
+  }
+  if (within(a, b, position_mm, rotation_rad)) return true;
+  return std::any_of(exact_.begin(), exact_.end(), [&](const Pose& move) {
+    return within(a * move, b, position_mm, rotation_rad);
+  });
+}
+
+Pose SymmetryTransforms::canonical(const ObjectModel& model, const simd::PoseKernels& kernels,
+                                   const Pose& T) const {
+  if (axis_count_ == 0 && exact_.empty()) return T;
+  if (axis_count_ > 1) {
+    const Vec3 wanted = viewing_direction(nearest_viewpoint(model, kernels, T));
+    return {T.R * rotation_between(wanted, seen_along(T)), T.t_mm};
+  }
+  Pose best = T;
+  double best_nearness = -2;
+  const auto offer = [&](const Pose& same) {
+    double nearness = 0;
+    Pose pose = same;
+    if (axis_count_ == 1) {
+      pose = about_axis(model, same, nearness);
+    } else {
+      const Vec3 seen = seen_along(same);
+      nearness = seen.dot(viewing_direction(nearest_viewpoint(model, kernels, seen)));
+    }
+    if (nearness <= best_nearness) return;
+    best_nearness = nearness;
+    best = pose;
+  };
+  offer(T);
+  for (const Pose& move : exact_) offer(T * move);
+  return best;
+}
+
+// Turned about the axis until it is seen from the side of the viewpoint that looks at the axis at
+// the angle nearest to the pose's own.
+Pose SymmetryTransforms::about_axis(const ObjectModel& model, const Pose& T,
+                                    double& nearness) const {
+  const Vec3 seen = seen_along(T);
+  const double along = std::clamp(axis_.dot(seen), -1.0, 1.0);
+  const double across = std::sqrt(1 - along * along);
+  Vec3 best = Vec3::Zero();
+  nearness = -2;
+  for (const Viewpoint& v : model.depth(model.depth_count() - 1).viewpoints) {
+    const Vec3 d = viewing_direction(v);
+    const double d_along = std::clamp(axis_.dot(d), -1.0, 1.0);
+    const double cosine = along * d_along + across * std::sqrt(1 - d_along * d_along);
+    if (cosine <= nearness) continue;
+    nearness = cosine;
+    best = d;
+  }
+  const Vec3 from = best - axis_.dot(best) * axis_, to = seen - along * axis_;
+  if (from.norm() < 1e-6 || to.norm() < 1e-6) return T;
+  const double angle = std::atan2(axis_.dot(from.cross(to)), from.dot(to));
+  const Mat3 R = rotation_from_vector(axis_ * angle);
+  return T * Pose{R, point_mm_ - R * point_mm_};
+}
+
+bool SymmetryTransforms::same_about_axis(const Pose& a, const Pose& b, double position_mm,
+                                         double rotation_rad) const {
+  // Without the turn that brings them nearest, what is left is how the axes stand to each other,
+  // and where a point of them is.
+  if ((a * point_mm_ - b * point_mm_).squaredNorm() >= position_mm * position_mm) return false;
+  return (a.R * axis_).dot(b.R * axis_) > std::cos(rotation_rad);
+}
+
+}  // namespace binpick
