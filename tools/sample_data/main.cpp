@@ -101,7 +101,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Renders bins full of parts, with truth, in the BOP layout (lengths in mm)."};
   app.add_option("--out", options.out, "folder of the data set")->required();
   app.add_option("--parts", options.mesh_paths,
-                 "mesh files in mm; the three own parts if left out");
+                 "mesh files in mm, or bolt for a threaded bolt; tee, clip and hub if left out");
   app.add_option("--frames", options.frames, "frames per part, each a pile of its own")
       ->capture_default_str();
   app.add_option("--mixed-frames", options.mixed_frames, "frames of one more scene with all parts")
