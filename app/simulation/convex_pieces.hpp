@@ -15,7 +15,7 @@ struct ConvexPiecesParams {
   int pieces_max = 28;
   double excess_max =
       0.06;              // hull volume beyond the solid's, as a share of it, that is good enough
-  int corners_max = 48;  // corners of one hull; more are thinned out
+  int corners_max = 32;  // corners of one hull; more are thinned out
 };
 
 std::vector<ConvexPiece> convex_pieces(const TriangleMesh& mesh, const ConvexPiecesParams& params);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "simulation/shading.hpp"
+#include "simulation/simplified_mesh.hpp"
 
 namespace binpick::simulation {
 namespace {
@@ -56,13 +57,17 @@ std::vector<InstanceTruth> make_truth(const Scene& scene, const std::vector<Part
   return out;
 }
 
+// Cutting takes time in proportion to the triangles, and these are finer than the pieces anyway.
+constexpr std::size_t kCollisionTrianglesMax = 3000;
+
 }  // namespace
 
 FrameMaker::FrameMaker(const std::vector<Part>& parts, const FrameParams& params)
     : parts_(parts), params_(params) {
   for (const auto& part : parts) {
     CollisionShape shape;
-    shape.pieces = convex_pieces(part.mesh, ConvexPiecesParams{});
+    shape.pieces =
+        convex_pieces(simplified(part.mesh, kCollisionTrianglesMax), ConvexPiecesParams{});
     double solid = 0;
     for (const auto& piece : shape.pieces) solid += hull_volume(piece);
     const Bounds box = bounds(part.mesh);

@@ -12,10 +12,22 @@ namespace {
 // Bullet's tolerances suit bodies of about one unit, so a unit is a tenth of a metre.
 constexpr double kMmPerUnit = 100;
 constexpr double kGravity = 98.1;
-constexpr double kStepSeconds = 1.0 / 480;
-// Parts are slowed to this, in units per second: no more than 0.8 mm in a step, so that thin sheet
+// At half this rate parts sink into each other.
+constexpr double kStepSeconds = 1.0 / 240;
+// Parts are slowed to this, in units per second: no more than 1.7 mm in a step, so that thin sheet
 // does not pass through sheet.
 constexpr double kSpeedMax = 4;
+// A part that has moved less than this for a while sleeps. Gravity takes a part without support
+// beyond it within a step.
+constexpr double kRestSpeed = 0.1;  // units per second
+constexpr double kRestTurn = 0.5;   // radians per second
+constexpr double kRestSeconds = 0.15;
+// Between two layers of parts; the time that they may take to come to rest before the chute goes,
+// and after.
+constexpr double kLayerSeconds = 0.15;
+constexpr double kLandingSeconds = 0.5;
+constexpr double kSettlingSeconds = 2.5;
+constexpr double kDropMm = 2;  // from the lowest point of a layer to the highest of the pile
 constexpr double kMarginMm = 0.15;
 
 btVector3 to_bullet(const Vec3& p_mm) {
@@ -73,11 +85,18 @@ BodyShape make_body_shape(const CollisionShape& shape) {
   return body;
 }
 
+// Bullet has one time of rest for all worlds, so it is set once for all threads.
+void set_rest_time() {
+  static const btScalar set = gDeactivationTime = static_cast<btScalar>(kRestSeconds);
+  static_cast<void>(set);
+}
+
 class World {
  public:
   World()
       : dispatcher_(&configuration_),
         world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
+    set_rest_time();
     world_.setGravity({0, 0, static_cast<btScalar>(-kGravity)});
     btContactSolverInfo& info = world_.getSolverInfo();
     info.m_numIterations = 30;
@@ -102,17 +121,21 @@ class World {
   btRigidBody* add_part(const BodyShape& shape, const btTransform& at) {
     btRigidBody* body = add_body(shape.mass, shape.compound.get(), shape.inertia, at);
     body->setDamping(static_cast<btScalar>(0.1), static_cast<btScalar>(0.25));
-    body->setActivationState(DISABLE_DEACTIVATION);
+    body->setSleepingThresholds(static_cast<btScalar>(kRestSpeed),
+                                static_cast<btScalar>(kRestTurn));
     return body;
   }
 
+  // Wakes all parts: what leaned on the body has to notice.
   void remove(btRigidBody* body) {
     world_.removeRigidBody(body);
     std::erase_if(bodies_, [body](const auto& b) { return b.get() == body; });
+    for (auto& other : bodies_) other->activate(true);
   }
 
+  // Until all parts sleep, but no longer than so many seconds.
   void run(double seconds) {
-    for (double t = 0; t < seconds; t += kStepSeconds) {
+    for (double t = 0; t < seconds && !asleep(); t += kStepSeconds) {
       world_.stepSimulation(static_cast<btScalar>(kStepSeconds), 0);
       for (auto& body : bodies_) {
         const btScalar speed = body->getLinearVelocity().length();
@@ -135,6 +158,12 @@ class World {
     bodies_.push_back(std::make_unique<btRigidBody>(info));
     world_.addRigidBody(bodies_.back().get());
     return bodies_.back().get();
+  }
+
+  bool asleep() const {
+    return std::none_of(bodies_.begin(), bodies_.end(), [](const auto& body) {
+      return !body->isStaticObject() && body->isActive();
+    });
   }
 
   btDefaultCollisionConfiguration configuration_;
@@ -173,6 +202,61 @@ std::vector<btRigidBody*> add_bin(World& world, const BinSize& bin) {
   return chute;
 }
 
+// The bin cut into cells in which parts may have any rotation without touching each other. A layer
+// has a part in each.
+struct Cells {
+  int columns, rows;
+
+  Cells(const BinSize& bin, double radius_mm)
+      : columns(std::max(1, static_cast<int>(bin.length / (2 * radius_mm)))),
+        rows(std::max(1, static_cast<int>(bin.width / (2 * radius_mm)))) {}
+  int count() const { return columns * rows; }
+
+  // Somewhere in the cell, and no lower than z_mm.
+  btTransform place(int cell, const BodyShape& shape, const BinSize& bin, double z_mm,
+                    Rng& rng) const {
+    btTransform at(random_rotation(rng));
+    btVector3 low, high;
+    shape.compound->getAabb(at, low, high);
+    const Vec3 min = from_bullet(low), max = from_bullet(high);
+    const auto along = [&](int axis, int index, int count, double size) {
+      const double free_mm = std::max(0.0, size / count - (max[axis] - min[axis])) / 2;
+      const double middle = (index + 0.5) * size / count - size / 2;
+      return middle - (min[axis] + max[axis]) / 2 + rng.uniform(-free_mm, free_mm);
+    };
+    const double x = along(0, cell % columns, columns, bin.length);
+    const double y = along(1, cell / columns, rows, bin.width);
+    at.setOrigin(to_bullet(Vec3(x, y, z_mm - min.z())));
+    return at;
+  }
+};
+
+double top_of(const std::vector<btRigidBody*>& parts) {
+  double top_mm = 0;
+  for (const btRigidBody* part : parts) {
+    btVector3 low, high;
+    part->getAabb(low, high);
+    top_mm = std::max(top_mm, from_bullet(high).z());
+  }
+  return top_mm;
+}
+
+// Lets all parts fall, layer by layer.
+std::vector<btRigidBody*> drop_parts(World& world, const std::vector<BodyShape>& shapes,
+                                     const std::vector<std::size_t>& kinds, const Cells& cells,
+                                     const BinSize& bin, Rng& rng) {
+  std::vector<btRigidBody*> parts;
+  while (parts.size() < kinds.size()) {
+    const double z_mm = top_of(parts) + kDropMm;
+    for (int cell = 0; cell < cells.count() && parts.size() < kinds.size(); ++cell) {
+      const BodyShape& shape = shapes[kinds[parts.size()]];
+      parts.push_back(world.add_part(shape, cells.place(cell, shape, bin, z_mm, rng)));
+    }
+    world.run(kLayerSeconds);
+  }
+  return parts;
+}
+
 }  // namespace
 
 std::vector<PlacedPart> make_pile(const std::vector<CollisionShape>& shapes,
@@ -180,29 +264,15 @@ std::vector<PlacedPart> make_pile(const std::vector<CollisionShape>& shapes,
                                   Rng rng) {
   std::vector<BodyShape> body_shapes;
   for (const auto& shape : shapes) body_shapes.push_back(make_body_shape(shape));
+  double radius_mm = 1;
+  for (std::size_t kind : kinds) radius_mm = std::max(radius_mm, shapes[kind].radius_mm);
   World world;
   const std::vector<btRigidBody*> chute = add_bin(world, bin);
-  std::vector<btRigidBody*> parts;
-  double top_mm = 0;
-  for (std::size_t kind : kinds) {
-    const double radius = shapes[kind].radius_mm;
-    const double free_x = std::max(0.0, bin.length / 2 - radius);
-    const double free_y = std::max(0.0, bin.width / 2 - radius);
-    btTransform at(random_rotation(rng));
-    const double x = rng.uniform(-free_x, free_x);
-    const double y = rng.uniform(-free_y, free_y);
-    at.setOrigin(to_bullet(Vec3(x, y, top_mm + radius + 5)));
-    parts.push_back(world.add_part(body_shapes[kind], at));
-    world.run(0.15);
-    top_mm = 0;
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      top_mm = std::max(top_mm, from_bullet(parts[i]->getWorldTransform().getOrigin()).z() +
-                                    shapes[kinds[i]].radius_mm);
-    }
-  }
-  world.run(1.5);
+  const std::vector<btRigidBody*> parts =
+      drop_parts(world, body_shapes, kinds, Cells(bin, radius_mm), bin, rng);
+  world.run(kLandingSeconds);
   for (btRigidBody* wall : chute) world.remove(wall);
-  world.run(1.5);
+  world.run(kSettlingSeconds);
 
   std::vector<PlacedPart> placed;
   for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -28,7 +28,7 @@ struct PlacedPart {
   Pose T_world_obj;
 };
 
-// Drops one part of shapes[kinds[i]] after the other. Parts that end outside the bin are left out.
+// Drops parts of shapes[kinds[i]] in layers. Parts that end outside the bin are left out.
 std::vector<PlacedPart> make_pile(const std::vector<CollisionShape>& shapes,
                                   const std::vector<std::size_t>& kinds, const BinSize& bin,
                                   Rng rng);
