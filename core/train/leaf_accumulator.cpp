@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "binpick/geometry/angle.hpp"
 #include "binpick/train/errors.hpp"
@@ -10,28 +11,41 @@
 namespace binpick::train {
 namespace {
 
-// Votes are whole numbers: a sample has this many, split between neighbouring bins.
-constexpr int kVoteUnits = 3;
 // Weight of a block of rolls that counts fully; less where there are many samples. 16 bits have to
 // hold the votes of all samples for one bin, and up to 2.7 times as many: several pixels of a
 // rendering may fall onto one.
 constexpr int kBlockWeightMax = 8;
 constexpr int kWeightedSamplesMax = 8000;
-// Of each rendering every 8th surface pixel votes (every second of the pooled ones), for a cell of
-// 2x2 pixels, which makes half a vote per sample and cell; each counts double.
-constexpr int kSurfaceStride = 8 / kPooledSurfaceStride;
-constexpr int kSurfaceVote = 2 * kVoteUnits;
-// Every second contour pixel votes, twice: neighbours on a contour say the same.
-constexpr std::size_t kContourStride = 2;
-constexpr int kContourVote = static_cast<int>(kContourStride) * kVoteUnits;
 // Different renderings that a viewpoint should find within its tilt jitter.
 constexpr double kRenderingsPerViewpoint = 80;
 
-// Splits `units` between two neighbouring bins in proportion to the fraction.
-void add_split_vote(std::uint16_t* bins, int first, int second, float fraction, int units) {
-  const int upper = static_cast<int>(fraction * static_cast<float>(units) + 0.5f);
-  bins[first] = static_cast<std::uint16_t>(bins[first] + units - upper);
-  bins[second] = static_cast<std::uint16_t>(bins[second] + upper);
+// Adds four bins at a time: no bin overflows into its neighbour.
+void add_vote(const CellVote& vote, std::uint16_t* bins) {
+  std::array<std::uint64_t, 2> sum{}, more{};
+  static_assert(sizeof sum == sizeof vote);
+  std::memcpy(sum.data(), bins, sizeof sum);
+  std::memcpy(more.data(), vote.data(), sizeof more);
+  for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += more[k];
+  std::memcpy(bins, sum.data(), sizeof sum);
+}
+
+// Adds points to the grid's cells; widens [row_first, row_last] to the rows they are in, times
+// `rows_each`.
+template <class VoteOf>
+void add_votes(const TurnedPoints& points, VoteOf&& vote_of, int rows_each,
+               HistogramGrid<std::uint16_t>& grid, int& row_first, int& row_last) {
+  const auto size = static_cast<unsigned>(grid.size);
+  int y_min = grid.size, y_max = -1;
+  for (std::size_t i = 0; i < points.x.size(); ++i) {
+    const int x = points.x[i], y = points.y[i];
+    if (static_cast<unsigned>(x) >= size || static_cast<unsigned>(y) >= size) continue;
+    y_min = std::min(y_min, y);
+    y_max = std::max(y_max, y);
+    add_vote(vote_of(points.vote[i]), grid.cell(x, y));
+  }
+  if (y_max < 0) return;
+  row_first = std::min(row_first, rows_each * y_min);
+  row_last = std::max(row_last, rows_each * y_max);
 }
 
 // sum = sum of weight * block over rows of `row_bins` bins each.
@@ -69,7 +83,11 @@ int sample_pool_size(const TrainOptions& options) {
 LeafAccumulator::LeafAccumulator(const std::vector<RenderedSample>& samples,
                                  const TemplateCamera& camera, const TrainOptions& options,
                                  const RollBlocks& blocks)
-    : samples_(samples), options_(options), blocks_(blocks), radius_(camera.radius) {
+    : samples_(samples),
+      options_(options),
+      blocks_(blocks),
+      radius_(camera.radius),
+      tables_(options.normal_codebook) {
   const int size = 2 * radius_;
   ring_.resize(static_cast<std::size_t>(2 * (blocks.full_per_side + 1)));
   for (Block& b : ring_)
@@ -86,6 +104,9 @@ void LeafAccumulator::run(int leaf_index, const TreeViewpoint& view, int roll_co
   if (near_.empty())
     throw TrainError(
         "no rendering lies within the tilt jitter of a viewpoint: the jitter is too small");
+  votes_.clear();
+  for (const AlignedSample& near : near_)
+    votes_.emplace_back(samples_[static_cast<std::size_t>(near.index)], options_.normal_codebook);
   leaf_index_ = leaf_index;
   // The centre of roll r lies between blocks 2r and 2r + 1.
   int filled = -blocks_.full_per_side;
@@ -115,54 +136,23 @@ void LeafAccumulator::fill_block(int block) {
     const std::size_t pick =
         static_cast<std::size_t>(wrapped * blocks_.samples_per_block + k) % near_.size();
     const double roll = (wrapped + rng.uniform()) * 2 * kPi / blocks_.count;
-    splat(near_[pick], static_cast<float>(roll), static_cast<int>(rng.next() % kSurfaceStride),
-          slot);
+    splat(votes_[pick], near_[pick].turn_rad + static_cast<float>(roll),
+          static_cast<int>(rng.next() % kSurfaceStride), slot);
   }
 }
 
-void LeafAccumulator::splat(const AlignedSample& aligned, float roll_rad, int surface_start,
-                            Block& out) const {
-  const RenderedSample& sample = samples_[static_cast<std::size_t>(aligned.index)];
-  const float turn = aligned.turn_rad + roll_rad;
-  const float c = std::cos(turn), s = std::sin(turn);
-  const float centre = static_cast<float>(radius_) + 0.5f;
-  const unsigned size = static_cast<unsigned>(2 * radius_);
-  unsigned row_first = size, row_last = 0;
-  for (std::size_t i = static_cast<std::size_t>(surface_start) % kContourStride;
-       i < sample.contour.size(); i += kContourStride) {
-    const ContourPoint& p = sample.contour[i];
-    const unsigned x = static_cast<unsigned>(static_cast<int>(c * p.x - s * p.y + centre));
-    const unsigned y = static_cast<unsigned>(static_cast<int>(s * p.x + c * p.y + centre));
-    if (x >= size || y >= size) continue;
-    row_first = std::min(row_first, y);
-    row_last = std::max(row_last, y);
-    const float position = (p.angle_rad + turn) * kBinsPerRad + 64;
-    const int bin = static_cast<int>(position);
-    add_split_vote(out.gradient.cell(static_cast<int>(x), static_cast<int>(y)), bin & 7,
-                   (bin + 1) & 7, position - static_cast<float>(bin), kContourVote);
-  }
-  const unsigned cells = size / 2;
-  const float cell_centre = static_cast<float>(radius_) / 2 + 0.5f;
-  for (std::size_t i = static_cast<std::size_t>(surface_start); i < sample.surface.size();
-       i += kSurfaceStride) {
-    const SurfacePoint& p = sample.surface[i];
-    const unsigned x =
-        static_cast<unsigned>(static_cast<int>((c * p.x - s * p.y) * 0.5f + cell_centre));
-    const unsigned y =
-        static_cast<unsigned>(static_cast<int>((s * p.x + c * p.y) * 0.5f + cell_centre));
-    if (x >= cells || y >= cells) continue;
-    row_first = std::min(row_first, 2 * y);
-    row_last = std::max(row_last, 2 * y);
-    std::uint16_t* bins = out.normal.cell(static_cast<int>(x), static_cast<int>(y));
-    const SoftBins soft =
-        soft_normal_bins(options_.normal_codebook, p.tilt_sin, p.azimuth_rad + turn);
-    for (int k = 0; k < soft.count; ++k) {
-      const int units = static_cast<int>(soft.weight[k] * kSurfaceVote + 0.5f);
-      bins[soft.bin[k]] = static_cast<std::uint16_t>(bins[soft.bin[k]] + units);
-    }
-  }
-  out.row_first = std::min(out.row_first, static_cast<int>(row_first / 2));
-  out.row_end = std::max(out.row_end, static_cast<int>(row_last / 2) + 1);
+void LeafAccumulator::splat(const SampleVotes& votes, float turn_rad, int start, Block& out) {
+  int row_first = 2 * radius_, row_last = 0;
+  votes.turn_contour(start, turn_rad, static_cast<float>(radius_) + 0.5f, turned_);
+  add_votes(
+      turned_, [&](int vote) -> const CellVote& { return tables_.contour(vote); }, 1, out.gradient,
+      row_first, row_last);
+  votes.turn_surface(start, turn_rad, static_cast<float>(radius_) / 2 + 0.5f, turned_);
+  add_votes(
+      turned_, [&](int vote) -> const CellVote& { return tables_.surface(vote); }, 2, out.normal,
+      row_first, row_last);
+  out.row_first = std::min(out.row_first, row_first / 2);
+  out.row_end = std::max(out.row_end, row_last / 2 + 1);
 }
 
 void LeafAccumulator::sum_window(int roll) {

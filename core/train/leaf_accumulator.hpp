@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "train/sample_pool.hpp"
+#include "train/sample_votes.hpp"
 #include "train/template_builder.hpp"
 
 namespace binpick::train {
@@ -28,7 +29,7 @@ class LeafAccumulator {
 
   Block& slot_of(int block);
   void fill_block(int block);
-  void splat(const AlignedSample& aligned, float roll_rad, int surface_start, Block& out) const;
+  void splat(const SampleVotes& votes, float turn_rad, int start, Block& out);
   void sum_window(int roll);
 
   const std::vector<RenderedSample>& samples_;
@@ -37,7 +38,10 @@ class LeafAccumulator {
   int radius_;
   std::vector<Block> ring_;
   LeafHistograms sums_;
+  VoteTables tables_;
   std::vector<AlignedSample> near_;
+  std::vector<SampleVotes> votes_;  // of the renderings in near_
+  TurnedPoints turned_;
   int leaf_index_ = 0;
 };
 
