@@ -105,10 +105,11 @@ Frame FrameMaker::make(const std::vector<std::size_t>& kinds, std::uint64_t seed
   frame.view = make_camera(camera, params_.bin, rng.fork(3));
   frame.roi = bin_roi(frame.view, params_.bin, 0, 0);
   const TrueView seen = make_true_view(scene, frame.view);
-  const Radiance radiance = Shader(scene, frame.view, rng.fork(4)).render();
+  const Roi window = bin_roi(frame.view, params_.bin, 100, 75);
+  const Roi shaded = params_.gray_everywhere ? Roi{0, 0, camera.width, camera.height} : window;
+  const Radiance radiance = Shader(scene, frame.view, rng.fork(4)).render(shaded);
   const auto exposure = static_cast<float>(std::exp(0.18 * rng.normal()));
   frame.gray = expose(radiance, frame.view, exposure, rng.fork(5));
-  const Roi window = bin_roi(frame.view, params_.bin, 100, 75);
   frame.depth =
       sense_depth(scene, frame.view, seen, radiance, exposure, window, sensor, rng.fork(6));
   frame.instances = make_truth(scene, parts_, frame.view, seen, frame.depth);

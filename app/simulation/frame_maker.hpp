@@ -35,7 +35,8 @@ struct FrameParams {
   CameraParams camera;
   DepthSensorParams sensor;
   BinSize bin;
-  int part_count = 0;  // 0: as many as fill the bin well
+  int part_count = 0;           // 0: as many as fill the bin well
+  bool gray_everywhere = true;  // false: only where depth is measured, in and about the bin
 };
 
 class FrameMaker {

@@ -172,7 +172,7 @@ float Shader::shade(int triangle, const Vec3& p, const Vec3& to_camera) const {
   return sum + look.reflectance * static_cast<float>(room) * room_seen / room_all;
 }
 
-Radiance Shader::render() const {
+Radiance Shader::render(const Roi& window) const {
   const View fine = camera_.doubled();
   ZBuffer buffer(fine.width, fine.height);
   rasterise(scene_.soup, 0, scene_.soup.count(), fine, buffer);
@@ -190,8 +190,8 @@ Radiance Shader::render() const {
   Radiance out;
   out.value.resize(static_cast<std::size_t>(camera_.width) *
                    static_cast<std::size_t>(camera_.height));
-  for (int y = 0; y < camera_.height; ++y) {
-    for (int x = 0; x < camera_.width; ++x) {
+  for (int y = window.y; y < window.y + window.height; ++y) {
+    for (int x = window.x; x < window.x + window.width; ++x) {
       const int first = buffer.triangle[buffer.index(2 * x, 2 * y)];
       bool plain = first >= 0;
       for (int k = 1; k < 4 && plain; ++k) {

@@ -18,8 +18,9 @@ class Shader {
  public:
   Shader(const Scene& scene, const View& camera, Rng rng);
 
-  // Two by two samples per pixel where bodies meet or the surface turns, one elsewhere.
-  Radiance render() const;
+  // Two by two samples per pixel where bodies meet or the surface turns, one elsewhere. Dark
+  // outside the window.
+  Radiance render(const Roi& window) const;
 
  private:
   struct Light {

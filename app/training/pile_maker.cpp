@@ -47,6 +47,7 @@ BinSize bin_of(const CameraIntrinsics& camera, double distance_mm) {
 simulation::FrameParams params_of(const BinSize& bin) {
   simulation::FrameParams params;
   params.bin = bin;
+  params.gray_everywhere = false;
   return params;
 }
 
