@@ -130,14 +130,21 @@ void LeafAccumulator::fill_block(int block) {
   slot.row_first = slot.normal.size;
   slot.row_end = 0;
   const int wrapped = (block + blocks_.count) % blocks_.count;
-  RandomSequence rng{(options_.seed << 40) ^ (static_cast<std::uint64_t>(leaf_index_) << 16) ^
-                     static_cast<std::uint64_t>(wrapped)};
-  for (int k = 0; k < blocks_.samples_per_block; ++k) {
-    const std::size_t pick =
-        static_cast<std::size_t>(wrapped * blocks_.samples_per_block + k) % near_.size();
-    const double roll = (wrapped + rng.uniform()) * 2 * kPi / blocks_.count;
-    splat(votes_[pick], near_[pick].turn_rad + static_cast<float>(roll),
-          static_cast<int>(rng.next() % kSurfaceStride), slot);
+  const std::uint64_t seed = (options_.seed << 40) ^
+                             (static_cast<std::uint64_t>(leaf_index_) << 16) ^
+                             static_cast<std::uint64_t>(wrapped);
+  const int near = static_cast<int>(near_.size());
+  // The renderings in turn, but all votes of one while it is in the cache.
+  for (int first = 0; first < std::min(near, blocks_.samples_per_block); ++first) {
+    const auto pick = static_cast<std::size_t>(
+        (static_cast<std::int64_t>(wrapped) * blocks_.samples_per_block + first) % near);
+    for (int k = first; k < blocks_.samples_per_block; k += near) {
+      // Each sample draws two numbers.
+      RandomSequence rng{seed + 2 * static_cast<std::uint64_t>(k) * kSplitmixStep};
+      const double roll = (wrapped + rng.uniform()) * 2 * kPi / blocks_.count;
+      splat(votes_[pick], near_[pick].turn_rad + static_cast<float>(roll),
+            static_cast<int>(rng.next() % kSurfaceStride), slot);
+    }
   }
 }
 

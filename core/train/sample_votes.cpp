@@ -70,8 +70,6 @@ SampleVotes::SampleVotes(const RenderedSample& sample, NormalCodebook codebook)
     for (int k = 0; k < soft.count; ++k) share[soft.bin[k]] += soft.weight[k];
     const int first = facing_bins(codebook);
     list.ring.push_back(share[static_cast<std::size_t>(first)]);
-    const int facing = first > 0 ? units_of(share[0]) : 0;
-    list.facing.push_back(facing * ring_bins_ * kShares * kShares);
   }
 }
 
@@ -98,7 +96,6 @@ template <int kRing>
 void SampleVotes::choose_votes(const SurfaceList& list, float turn_rad, std::vector<int>& votes) {
   const float* azimuth_rad = list.azimuth_rad.data();
   const float* ring = list.ring.data();
-  const int* facing = list.facing.data();
   int* out = votes.data();
   const std::size_t count = votes.size();
   for (std::size_t i = 0; i < count; ++i) {
@@ -110,7 +107,8 @@ void SampleVotes::choose_votes(const SurfaceList& list, float turn_rad, std::vec
     const unsigned bin = static_cast<unsigned>(whole + kTurnsBelow * kRing) % kRing;
     const int lower = units_of((1 - fraction) * ring[i]);
     const int upper = units_of(fraction * ring[i]);
-    out[i] = facing[i] + (static_cast<int>(bin) * kShares + lower) * kShares + upper;
+    const int facing = kRing < kOrientationBins ? units_of(1 - ring[i]) : 0;
+    out[i] = ((facing * kRing + static_cast<int>(bin)) * kShares + lower) * kShares + upper;
   }
 }
 

@@ -58,7 +58,6 @@ class SampleVotes {
   struct SurfaceList {
     std::vector<float> x, y, azimuth_rad;
     std::vector<float> ring;  // share of the vote that goes to the bins of azimuth
-    std::vector<int> facing;  // the vote of the bin that faces the camera, in the table
   };
   template <int kRing>
   static void choose_votes(const SurfaceList& list, float turn_rad, std::vector<int>& votes);
