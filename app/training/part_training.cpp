@@ -15,6 +15,8 @@ constexpr std::uint64_t kCalibrationSeed = 0x63616c6962726174;
 constexpr std::uint64_t kTestSeed = 0x73656c6674657374;
 // Poses of small parts have to be nearer than the limits of the bin-picking experiment.
 constexpr double kLimitInDiameters = 0.075;
+// Of the time that a step with piles takes: making them.
+constexpr double kPilesShare = 0.5;
 
 ObjectModel parsed(const std::vector<std::uint8_t>& bytes) {
   const Result<ObjectModel> model = ObjectModel::parse(bytes);
@@ -40,6 +42,11 @@ PartGeometry geometry_of(const ObjectModel& model, const train::Mesh& mesh) {
   return PartGeometry(part, mesh);
 }
 
+// A stage's own progress as its share of the whole.
+train::TrainProgress share_of(const train::TrainProgress& progress, double from, double to) {
+  return [=](double done) { progress(from + (to - from) * done); };
+}
+
 ScoreCalibration score_of(const PileTrial& trial, const PartGeometry& geometry) {
   PoseLimits limits;
   limits.mm = std::min(limits.mm, kLimitInDiameters * geometry.diameter_mm());
@@ -50,11 +57,16 @@ ScoreCalibration score_of(const PileTrial& trial, const PartGeometry& geometry) 
 }
 
 void calibrate(const ObjectModel& model, const PartGeometry& geometry,
-               const std::vector<SimulatedPile>& piles, WorkerPool& pool, ModelTrials& trials) {
-  const PileTrial both = run_trial(model, piles, Modality::kDepthAndIntensity, pool);
-  const PileTrial intensity = run_trial(model, piles, Modality::kIntensity, pool);
+               const std::vector<SimulatedPile>& piles, WorkerPool& pool,
+               const train::TrainProgress& progress, ModelTrials& trials) {
+  const auto trial_of = [&](Modality modality, int number) {
+    return run_trial(model, piles, modality, pool,
+                     share_of(progress, number / 3.0, (number + 1) / 3.0));
+  };
+  const PileTrial both = trial_of(Modality::kDepthAndIntensity, 0);
+  const PileTrial intensity = trial_of(Modality::kIntensity, 1);
   trials.with_intensity = score_of(both, geometry);
-  trials.depth_alone = score_of(run_trial(model, piles, Modality::kDepth, pool), geometry);
+  trials.depth_alone = score_of(trial_of(Modality::kDepth, 2), geometry);
   trials.intensity_alone = score_of(intensity, geometry);
   const auto grow = [&](const PileTrial& trial, double& scale) {
     if (const auto growth = growth_of_variance(trial, geometry, model.centre_mm()))
@@ -72,6 +84,7 @@ TrainedPart train_part(const train::ImportedMesh& part, const train::TrainOption
   const auto tell = [&](double share) {
     if (progress) progress("training", share);
   };
+  tell(0);  // symmetries are looked for first, and tell nothing
   return try_part(train::train_model(part, options, pool, tell), part, options, plan, pool,
                   progress);
 }
@@ -88,29 +101,31 @@ TrainedPart try_part(std::vector<std::uint8_t> model_bytes, const train::Importe
 
   const PartGeometry geometry = geometry_of(parsed(out.model), part.mesh);
   const PileMaker maker(part, options);
+  const auto progress_of = [&](const char* step) -> train::TrainProgress {
+    return [&tell, step](double share) { tell(step, share); };
+  };
   const auto piles_of = [&](const char* step, int count, std::uint64_t seed) {
     tell(step, 0);
-    std::vector<SimulatedPile> piles = maker.make(count, options.seed ^ seed, pool);
-    tell(step, 0.9);
-    return piles;
+    return maker.make(count, options.seed ^ seed, pool,
+                      share_of(progress_of(step), 0, kPilesShare));
   };
   ModelTrials trials;
   if (plan.calibration_piles > 0) {
     const auto piles = piles_of("calibration", plan.calibration_piles, kCalibrationSeed);
-    calibrate(parsed(out.model), geometry, piles, pool, trials);
+    calibrate(parsed(out.model), geometry, piles, pool,
+              share_of(progress_of("calibration"), kPilesShare, 1), trials);
     trials.calibration_piles = plan.calibration_piles;
     train::set_trials(out.model, trials);
-    tell("calibration", 1);
   }
   if (plan.test_piles > 0) {
     const auto piles = piles_of("self-test", plan.test_piles, kTestSeed);
     const ObjectModel model = parsed(out.model);
-    const PileTrial trial = run_trial(model, piles, Modality::kDepthAndIntensity, pool);
+    const PileTrial trial = run_trial(model, piles, Modality::kDepthAndIntensity, pool,
+                                      share_of(progress_of("self-test"), kPilesShare, 1));
     out.self_test = judge(trial, geometry, DetectRequest{}.min_score);
     out.advice = advice(*out.self_test, model);
     trials.self_test = out.self_test->record;
     train::set_trials(out.model, trials);
-    tell("self-test", 1);
   }
   return out;
 }

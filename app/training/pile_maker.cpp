@@ -1,6 +1,7 @@
 #include "training/pile_maker.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "simulation/simplified_mesh.hpp"
@@ -109,14 +110,18 @@ SimulatedPile PileMaker::make_one(std::uint64_t seed) const {
   return pile;
 }
 
-std::vector<SimulatedPile> PileMaker::make(int count, std::uint64_t seed, WorkerPool& pool) const {
+std::vector<SimulatedPile> PileMaker::make(int count, std::uint64_t seed, WorkerPool& pool,
+                                           const train::TrainProgress& progress) const {
   Rng rng(seed);
   std::vector<std::uint64_t> seeds;
   for (int i = 0; i < count; ++i) seeds.push_back(rng.next());
   std::vector<SimulatedPile> piles(static_cast<std::size_t>(count));
-  pool.parallel_for(count, [&](int i, int) {
+  std::atomic<int> done{0};
+  pool.parallel_for(count, [&](int i, int thread) {
     const auto at = static_cast<std::size_t>(i);
     piles[at] = make_one(seeds[at]);
+    const int now = ++done;
+    if (progress && thread == 0) progress(static_cast<double>(now) / count);
   });
   return piles;
 }

@@ -28,7 +28,8 @@ class PileMaker {
   PileMaker(const train::ImportedMesh& part, const train::TrainOptions& options);
 
   // `count` piles; the same seed gives the same piles on any number of threads.
-  std::vector<SimulatedPile> make(int count, std::uint64_t seed, WorkerPool& pool) const;
+  std::vector<SimulatedPile> make(int count, std::uint64_t seed, WorkerPool& pool,
+                                  const train::TrainProgress& progress = {}) const;
 
  private:
   SimulatedPile make_one(std::uint64_t seed) const;

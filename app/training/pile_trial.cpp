@@ -35,7 +35,7 @@ std::vector<ScoredInstance> scored(const SimulatedPile& pile) {
 }  // namespace
 
 PileTrial run_trial(const ObjectModel& model, const std::vector<SimulatedPile>& piles,
-                    Modality modality, WorkerPool& pool) {
+                    Modality modality, WorkerPool& pool, const train::TrainProgress& progress) {
   const std::vector<ObjectModel> models = {model};
   SizedDetector sized(models, limits_of(piles), DetectorParams{}, pool);
   DetectRequest request;
@@ -55,6 +55,7 @@ PileTrial run_trial(const ObjectModel& model, const std::vector<SimulatedPile>& 
       trial.rows.push_back({id, kPileObject, d.score, d.T_cam_obj, trial.time_s[id]});
       trial.uncertainty.push_back(d.uncertainty);
     }
+    progress(static_cast<double>(i + 1) / static_cast<double>(piles.size()));
   }
   return trial;
 }

@@ -24,7 +24,7 @@ struct PileTrial {
 // Every pose that the detector is willing to report, however improbable. Throws std::runtime_error
 // where a pile cannot be searched.
 PileTrial run_trial(const ObjectModel& model, const std::vector<SimulatedPile>& piles,
-                    Modality modality, WorkerPool& pool);
+                    Modality modality, WorkerPool& pool, const train::TrainProgress& progress);
 
 // Whether a pose is that of a part, for the best of the part's symmetries.
 bool is_right(const PartGeometry& geometry, const Pose& estimate, const Pose& truth,

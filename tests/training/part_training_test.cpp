@@ -81,12 +81,20 @@ TEST(PileMaker, TruthAndDepthAgreeInMillimetres) {
 TEST(PartTraining, EndsWithACalibratedAndTestedModel) {
   ThreadPool pool(2);
   std::vector<std::string> steps;
+  std::vector<double> shares;  // of the last step
   const TrainedPart trained =
       train_part(bracket_part(), quick_options(), {.calibration_piles = 2, .test_piles = 1}, pool,
-                 [&](const std::string& step, double) {
-                   if (steps.empty() || steps.back() != step) steps.push_back(step);
+                 [&](const std::string& step, double share) {
+                   if (steps.empty() || steps.back() != step) {
+                     steps.push_back(step);
+                     shares.clear();
+                   }
+                   shares.push_back(share);
                  });
   EXPECT_EQ(steps, (std::vector<std::string>{"training", "calibration", "self-test"}));
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_EQ(shares.front(), 0);
+  EXPECT_EQ(shares.back(), 1);
   const Result<ObjectModel> model = ObjectModel::parse(trained.model);
   ASSERT_TRUE(model.ok());
   const ModelTrials& trials = model.value().trials();
