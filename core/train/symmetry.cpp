@@ -204,27 +204,38 @@ class Finder {
     }
   }
 
-  // Moves as the designer meant them, where the part allows: whole fractions of a turn, no shift,
-  // axes of the CAD file.
+  // Moves as the designer meant them: no shift, and where the part allows whole fractions of a turn
+  // and axes of the CAD file. What fits only with a shift, like turns of a thread, leads beyond the
+  // part's ends when repeated, and is no symmetry.
   void tidy_group() {
-    for (Pose& g : exact_) {
-      const auto allowed = [&](const Screw& s) {
-        return matcher_.exact(pose_of(s), tolerance_.exact_mm);
-      };
-      Screw s = screw_of(g);
-      s.shift_mm = 0;
-      int fold = 1;
-      for (int n = 2; n <= static_cast<int>(kExactTurnsMax) && fold == 1; ++n) {
-        const double turns = s.angle_rad * n / (2 * kPi);
-        if (std::abs(turns - std::round(turns)) * 2 * kPi / n < 0.5 * kDegree) fold = n;
+    const auto allowed = [&](const Screw& s) {
+      return matcher_.exact(pose_of(s), tolerance_.exact_mm);
+    };
+    std::vector<Pose> tidied;
+    for (const Pose& g : exact_) {
+      Screw plain = screw_of(g);
+      plain.shift_mm = 0;
+      const Screw meant = snapped(with_whole_fraction(plain), allowed);
+      if (allowed(meant)) {
+        tidied.push_back(pose_of(meant));
+      } else if (allowed(plain)) {
+        tidied.push_back(pose_of(plain));
       }
-      if (fold > 1) {
-        const double part = 2 * kPi / fold;
-        s.angle_rad = part * std::round(s.angle_rad / part);
-      }
-      s = snapped(s, allowed);
-      if (allowed(s)) g = pose_of(s);
     }
+    exact_ = std::move(tidied);
+  }
+
+  static Screw with_whole_fraction(Screw s) {
+    int fold = 1;
+    for (int n = 2; n <= static_cast<int>(kExactTurnsMax) && fold == 1; ++n) {
+      const double turns = s.angle_rad * n / (2 * kPi);
+      if (std::abs(turns - std::round(turns)) * 2 * kPi / n < 0.5 * kDegree) fold = n;
+    }
+    if (fold > 1) {
+      const double part = 2 * kPi / fold;
+      s.angle_rad = part * std::round(s.angle_rad / part);
+    }
+    return s;
   }
 
   // With the axis turned onto one of the CAD file's where it is within half a degree and `allowed`.
@@ -288,8 +299,11 @@ class Finder {
 
   FoundSymmetry result() const {
     FoundSymmetry out;
-    for (const Pose& g : exact_)
-      out.turns.push_back(turn_row(SymmetryKind::kExact, screw_of(g), SelfFit{0, 0}));
+    for (const Pose& g : exact_) {
+      Screw turn = screw_of(g);
+      turn.shift_mm = 0;  // but for rounding it is
+      out.turns.push_back(turn_row(SymmetryKind::kExact, turn, SelfFit{0, 0}));
+    }
     out.turns.insert(out.turns.end(), near_turns_.begin(), near_turns_.end());
     for (const Screw& line : exact_axes_)
       out.axes.push_back(axis_row(SymmetryKind::kExact, line, SelfFit{0, 0}));

@@ -1,0 +1,31 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "binpick/train/mesh.hpp"
+#include "parts.hpp"
+#include "train/symmetry.hpp"
+
+namespace binpick {
+namespace {
+
+// A sixth of a turn brings the head onto itself, but the thread only with a shift.
+TEST(BoltSymmetry, IsNoScrew) {
+  train::Mesh mesh;
+  const simulation::TriangleMesh bolt = simulation::make_bolt();
+  for (const auto& v : bolt.vertices) mesh.vertices_mm.push_back(v.cast<float>());
+  for (const auto& t : bolt.triangles) {
+    mesh.triangles.push_back({static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]),
+                              static_cast<std::uint32_t>(t[2])});
+  }
+  const double diameter_mm = train::mesh_bounds(mesh).diameter_mm;
+  const train::FoundSymmetry found =
+      train::find_symmetry(mesh, diameter_mm, train::symmetry_tolerance(diameter_mm, 1902, 670));
+  EXPECT_FALSE(found.turns.empty());  // the half turn is near at least
+  EXPECT_TRUE(std::none_of(found.turns.begin(), found.turns.end(), [](const SymmetryTurn& turn) {
+    return turn.kind == SymmetryKind::kExact;
+  }));
+}
+
+}  // namespace
+}  // namespace binpick
