@@ -182,7 +182,8 @@ TemplateSet build_templates(const PoseTree& tree, const std::vector<RenderedSamp
   pool.parallel_for(families, [&](int p, int thread) {
     builder.build_family(p, thread);
     const int now = ++done;
-    if (progress && thread == 0) progress(static_cast<double>(now) / families);
+    // Of the end tells who waits for all threads.
+    if (progress && thread == 0 && now < families) progress(static_cast<double>(now) / families);
   });
   return builder.build_ancestors();
 }
