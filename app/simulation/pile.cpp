@@ -25,7 +25,7 @@ constexpr double kRestSeconds = 0.15;
 // Between two layers of parts; the time that they may take to come to rest before the chute goes,
 // and after.
 constexpr double kLayerSeconds = 0.15;
-constexpr double kLandingSeconds = 0.5;
+constexpr double kLandingSeconds = 1.5;
 constexpr double kSettlingSeconds = 2.5;
 constexpr double kDropMm = 2;  // from the lowest point of a layer to the highest of the pile
 constexpr double kMarginMm = 0.15;
@@ -205,29 +205,31 @@ std::vector<btRigidBody*> add_bin(World& world, const BinSize& bin) {
 // The bin cut into cells in which parts may have any rotation without touching each other. A layer
 // has a part in each.
 struct Cells {
-  int columns, rows;
+  BinSize bin;
+  double radius_mm;  // of the largest part
+  int columns = cells_along(bin.length), rows = cells_along(bin.width);
 
-  Cells(const BinSize& bin, double radius_mm)
-      : columns(std::max(1, static_cast<int>(bin.length / (2 * radius_mm)))),
-        rows(std::max(1, static_cast<int>(bin.width / (2 * radius_mm)))) {}
   int count() const { return columns * rows; }
 
   // Somewhere in the cell, and no lower than z_mm.
-  btTransform place(int cell, const BodyShape& shape, const BinSize& bin, double z_mm,
-                    Rng& rng) const {
+  btTransform place(int cell, const BodyShape& shape, double z_mm, Rng& rng) const {
     btTransform at(random_rotation(rng));
     btVector3 low, high;
     shape.compound->getAabb(at, low, high);
-    const Vec3 min = from_bullet(low), max = from_bullet(high);
-    const auto along = [&](int axis, int index, int count, double size) {
-      const double free_mm = std::max(0.0, size / count - (max[axis] - min[axis])) / 2;
-      const double middle = (index + 0.5) * size / count - size / 2;
-      return middle - (min[axis] + max[axis]) / 2 + rng.uniform(-free_mm, free_mm);
-    };
-    const double x = along(0, cell % columns, columns, bin.length);
-    const double y = along(1, cell / columns, rows, bin.width);
-    at.setOrigin(to_bullet(Vec3(x, y, z_mm - min.z())));
+    const double x = along(cell % columns, columns, bin.length, rng);
+    const double y = along(cell / columns, rows, bin.width, rng);
+    at.setOrigin(to_bullet(Vec3(x, y, z_mm - from_bullet(low).z())));
     return at;
+  }
+
+ private:
+  int cells_along(double size_mm) const {
+    return std::max(1, static_cast<int>(size_mm / (2 * radius_mm)));
+  }
+  double along(int index, int cells, double size_mm, Rng& rng) const {
+    const double cell_mm = size_mm / cells;
+    const double free_mm = std::max(0.0, cell_mm / 2 - radius_mm);
+    return (index + 0.5) * cell_mm - size_mm / 2 + rng.uniform(-free_mm, free_mm);
   }
 };
 
@@ -244,13 +246,13 @@ double top_of(const std::vector<btRigidBody*>& parts) {
 // Lets all parts fall, layer by layer.
 std::vector<btRigidBody*> drop_parts(World& world, const std::vector<BodyShape>& shapes,
                                      const std::vector<std::size_t>& kinds, const Cells& cells,
-                                     const BinSize& bin, Rng& rng) {
+                                     Rng& rng) {
   std::vector<btRigidBody*> parts;
   while (parts.size() < kinds.size()) {
     const double z_mm = top_of(parts) + kDropMm;
     for (int cell = 0; cell < cells.count() && parts.size() < kinds.size(); ++cell) {
       const BodyShape& shape = shapes[kinds[parts.size()]];
-      parts.push_back(world.add_part(shape, cells.place(cell, shape, bin, z_mm, rng)));
+      parts.push_back(world.add_part(shape, cells.place(cell, shape, z_mm, rng)));
     }
     world.run(kLayerSeconds);
   }
@@ -269,7 +271,7 @@ std::vector<PlacedPart> make_pile(const std::vector<CollisionShape>& shapes,
   World world;
   const std::vector<btRigidBody*> chute = add_bin(world, bin);
   const std::vector<btRigidBody*> parts =
-      drop_parts(world, body_shapes, kinds, Cells(bin, radius_mm), bin, rng);
+      drop_parts(world, body_shapes, kinds, Cells{bin, radius_mm}, rng);
   world.run(kLandingSeconds);
   for (btRigidBody* wall : chute) world.remove(wall);
   world.run(kSettlingSeconds);
