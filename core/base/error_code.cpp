@@ -29,7 +29,7 @@ const char* error_message(ErrorCode code) {
     case ErrorCode::kModelForeign:
       return "this is not a binpick model file";
     case ErrorCode::kModelVersion:
-      return "the model file has a version that this program does not read";
+      return "the model file has a version that this program does not read; train the part again";
     case ErrorCode::kModelChecksum:
       return "the model file is damaged (checksum differs)";
     case ErrorCode::kModelInconsistent:
