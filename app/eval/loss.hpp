@@ -14,7 +14,7 @@ enum class Loss : int {
   kNone = 0,      // found
   kSearch,        // scan, descent, or their limits
   kSuppression,   // screened out, or too many better ones at its place
-  kRefinement,    // PnP, ICP or the last refinement took it away
+  kRefinement,    // the coarse or the fine alignment took it away
   kVerification,  // its evidence gave it too low a score
   kRanking,       // another pose explains its pixels, and more
   kData,          // what the sensor measured does not tell the pose

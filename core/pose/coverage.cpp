@@ -33,14 +33,12 @@ std::size_t Coverage::footprint(int width_max, int height_max, int owners_max, i
 }
 
 Coverage::Coverage(int width_max, int height_max, int owners_max, int thread_count, Arena& arena)
-    : buffers_(take(width_max, height_max, owners_max, thread_count, arena)),
-      cells_(buffers_.cells),
-      owners_(buffers_.owners) {}
+    : buffers_(take(width_max, height_max, owners_max, thread_count, arena)) {}
 
 void Coverage::clear(const Scene& scene) {
   columns_ = scene.depth.width / kCellPx + 1;
   rows_ = scene.depth.height / kCellPx + 1;
-  std::fill_n(cells_.begin(), columns_ * rows_, std::uint16_t{0});
+  std::fill_n(buffers_.cells.begin(), columns_ * rows_, std::uint16_t{0});
   owner_count_ = 0;
 }
 
@@ -64,7 +62,7 @@ void Coverage::visit_cells(const PoseContext& context, const Hypothesis& h, Visi
 }
 
 std::span<int> Coverage::votes_of(int thread) const {
-  const std::size_t each = owners_.size() + 1;
+  const std::size_t each = buffers_.owners.size() + 1;
   return buffers_.votes.subspan(static_cast<std::size_t>(thread) * each, owner_count_ + 1);
 }
 
@@ -75,22 +73,22 @@ Coverage::Covered Coverage::covered(const PoseContext& context, const Hypothesis
   int total = 0;
   visit_cells(context, h, [&](int x, int y) {
     ++total;
-    ++votes[cells_[static_cast<std::size_t>(y * columns_ + x)]];
+    ++votes[buffers_.cells[static_cast<std::size_t>(y * columns_ + x)]];
   });
   if (total == votes[0]) return {};
   const auto most = std::max_element(votes.begin() + 1, votes.end());
   return {static_cast<double>(total - votes[0]) / total,
-          owners_[static_cast<std::size_t>(most - votes.begin() - 1)]};
+          buffers_.owners[static_cast<std::size_t>(most - votes.begin() - 1)]};
 }
 
 bool Coverage::add(const PoseContext& context, Hypothesis& h) {
-  if (owner_count_ == owners_.size()) return false;
-  owners_[owner_count_++] = &h;
+  if (owner_count_ == buffers_.owners.size()) return false;
+  buffers_.owners[owner_count_++] = &h;
   const auto owner = static_cast<std::uint16_t>(owner_count_);
   visit_cells(context, h, [&](int cx, int cy) {
     for (int y = std::max(0, cy - 1); y <= std::min(rows_ - 1, cy + 1); ++y) {
       for (int x = std::max(0, cx - 1); x <= std::min(columns_ - 1, cx + 1); ++x) {
-        std::uint16_t& cell = cells_[static_cast<std::size_t>(y * columns_ + x)];
+        std::uint16_t& cell = buffers_.cells[static_cast<std::size_t>(y * columns_ + x)];
         if (cell == 0) cell = owner;
       }
     }

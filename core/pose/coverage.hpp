@@ -34,7 +34,7 @@ class Coverage {
   // clear(). False where there is no room for another owner.
   bool add(const PoseContext& context, Hypothesis& h);
 
-  std::span<Hypothesis* const> owners() const { return owners_.first(owner_count_); }
+  std::span<Hypothesis* const> owners() const { return buffers_.owners.first(owner_count_); }
 
  private:
   template <class Visit>
@@ -52,8 +52,6 @@ class Coverage {
                       Source& source);
 
   Buffers buffers_;
-  std::span<std::uint16_t> cells_;
-  std::span<Hypothesis*> owners_;
   std::size_t owner_count_ = 0;
   int columns_ = 0, rows_ = 0;
 };

@@ -77,12 +77,8 @@ double surface_support(const ObjectModel& model, const Scene& scene, const Viewp
       static_cast<float>(kLeafErrorShare * model.info().diameter_mm + tolerances.on_surface_mm);
   const SampleArrays all = model.surface(view);
   const SampleArrays surface = all.first(std::min(all.count, kSupportSamples));
-  const Vec3 from = -viewing_direction(view);
-  simd::SurfaceAgreement found;
-  scene.kernels.surface_agreement(
-      surface, pose_f(T), scene.depth_map, {kAnyFitMm, conflict_mm, 0, kNormalsAgreeCos, 0},
-      {static_cast<float>(from.x()), static_cast<float>(from.y()), static_cast<float>(from.z())},
-      found);
+  const simd::SurfaceAgreement found =
+      surface_agreement(scene, view, surface, T, {kAnyFitMm, conflict_mm, 0, kNormalsAgreeCos, 0});
   if (surface.count == 0) return 0;
   const auto supported = static_cast<double>(found.supported);
   const double seen =

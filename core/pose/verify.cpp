@@ -25,15 +25,10 @@ double nearness(float offset_px) {
 void add_surface(const ObjectModel& model, const Scene& scene, const Pose& T, const Viewpoint& view,
                  Evidence& e) {
   const Tolerances tolerances(model, scene, T);
-  const Vec3 from = -viewing_direction(view);
-  const float from_obj[3] = {static_cast<float>(from.x()), static_cast<float>(from.y()),
-                             static_cast<float>(from.z())};
-  simd::SurfaceAgreement found;
-  scene.kernels.surface_agreement(
-      model.surface(view), pose_f(T), scene.depth_map,
+  const simd::SurfaceAgreement found = surface_agreement(
+      scene, view, model.surface(view), T,
       {static_cast<float>(tolerances.on_surface_mm), static_cast<float>(tolerances.conflict_mm),
-       kCosDisagrees, kCosAgrees, kNormalsMin},
-      from_obj, found);
+       kCosDisagrees, kCosAgrees, kNormalsMin});
   e.hidden = found.hidden;
   e.contradicted = found.contradicted;
   e.measured = found.agreeing;
@@ -136,6 +131,18 @@ void add_contours_alone(const ObjectModel& model, const Scene& scene, const Pose
 }
 
 }  // namespace
+
+simd::SurfaceAgreement surface_agreement(const Scene& scene, const Viewpoint& view,
+                                         const SampleArrays& surface, const Pose& T,
+                                         const simd::SurfaceTolerance& tolerance) {
+  const Vec3 from = -viewing_direction(view);
+  simd::SurfaceAgreement found;
+  scene.kernels.surface_agreement(
+      surface, pose_f(T), scene.depth_map, tolerance,
+      {static_cast<float>(from.x()), static_cast<float>(from.y()), static_cast<float>(from.z())},
+      found);
+  return found;
+}
 
 Evidence verify(const ObjectModel& model, const Scene& scene, const Pose& T) {
   Evidence e;

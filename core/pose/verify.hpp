@@ -47,6 +47,11 @@ struct Evidence {
   }
 };
 
+// How samples of a viewpoint's surface agree with the measured depth.
+simd::SurfaceAgreement surface_agreement(const Scene& scene, const Viewpoint& view,
+                                         const SampleArrays& surface, const Pose& T_cam_centre,
+                                         const simd::SurfaceTolerance& tolerance);
+
 Evidence verify(const ObjectModel& model, const Scene& scene, const Pose& T_cam_centre);
 
 // Median |point to plane| of the samples that agree with the measured depth; 0 where none does.

@@ -1,8 +1,8 @@
 // Finds the poses of trained parts in a frame: feature pyramids, exhaustive scan of the tree's scan
-// depth, coarse-to-fine descent on rearranged maps, suppression, PnP, ICP, refinement, verification
-// (paper section III-D and beyond). Takes all its memory from an arena when it is made; detect()
-// allocates nothing, throws nothing and answers the same bits on any number of threads. Thread: one
-// detect() at a time.
+// depth, coarse-to-fine descent on rearranged maps, then alignment, verification and selection of
+// the poses (paper section III-D and beyond). Takes all its memory from an arena when it is made;
+// detect() allocates nothing, throws nothing and answers the same bits on any number of threads.
+// Thread: one detect() at a time.
 #pragma once
 
 #include <cstdint>
