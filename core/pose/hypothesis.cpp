@@ -65,7 +65,7 @@ void verify_one(const PoseContext& context, Hypothesis& h) {
   h.T_cam_centre =
       context.symmetries[h.candidate.model].canonical(model, context.scene.kernels, h.T_cam_centre);
   h.evidence = verify(model, context.scene, h.T_cam_centre);
-  h.score = score_of(context, h);
+  h.score = probability(terms_of(h), h.evidence.seen, ModelTrials{});
   h.rank = h.evidence.explained_mm2 * h.score;
 }
 

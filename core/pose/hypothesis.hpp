@@ -18,7 +18,9 @@ struct Hypothesis {
   Candidate candidate;
   Pose T_cam_centre;
   Evidence evidence;
-  double score = 0;            // probability that the pose is right, once it is verified
+  // Probability that the pose is right, once it is verified: as fitted for all parts, which decides
+  // what survives; of what is reported, with the calibration of its part.
+  double score = 0;
   double rank = 0;             // what hypotheses are ordered by
   double conflict_odds = 0;    // sum over the other poses that explain the same pixels
   bool is_local_best = false;  // the best at its place, after non-maximum suppression

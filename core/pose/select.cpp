@@ -23,6 +23,9 @@ constexpr double kSameDistanceRatio = 0.06;
 // less probable.
 constexpr double kLikely = 0.5;
 constexpr double kLogOddsFarLess = 3;
+// Of the hypotheses that the coarse alignment leaves below this, one in three thousand becomes
+// likelier than not.
+constexpr double kHopelessLogOdds = -8;
 // Less than this of the part in sight is no pick.
 constexpr double kVisibleFractionMin = 0.2;
 
@@ -155,6 +158,9 @@ std::size_t Selector::suppress(const PoseContext& context, std::span<Hypothesis>
 }
 
 void Selector::prune(const PoseContext& context, std::span<Hypothesis> ranked) {
+  for (Hypothesis& h : ranked) {
+    if (h.alive && log_odds_of(h) < kHopelessLogOdds) h.drop(DropReason::kBelowMinScore);
+  }
   coverage_.clear(context.scene);
   for (Hypothesis& h : ranked) {
     if (!h.alive || h.score < kLikely || coverage_.owner_of(context, h) != nullptr) continue;

@@ -44,8 +44,8 @@ class Selector {
   std::size_t suppress(const PoseContext& context, std::span<Hypothesis> list,
                        const SuppressLimits& limits, DetectionReport& report);
 
-  // Of verified hypotheses, best first, drops those that explain the pixels of one that is likelier
-  // than not and are far less probable: alignment does not make up for that.
+  // Of verified hypotheses, best first, drops the hopeless, and those that explain the pixels of
+  // one that is likelier than not and are far less probable: alignment does not make up for that.
   void prune(const PoseContext& context, std::span<Hypothesis> ranked);
 
   // Explains the scene with the living ones, best first: each survivor owns its pixels, and its

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstring>
 #include <numeric>
 
 #include "search/distance_gate.hpp"
@@ -48,8 +49,18 @@ std::span<const std::uint32_t> order_by_node(const TreeDepth& depth,
   return scratch.order.first(parents.size());
 }
 
+// Whether one of four scores below 2^15 reaches a bar.
+bool any_reaches(const std::uint16_t (&scores)[4], int bar) {
+  constexpr std::uint64_t kOnes = 0x0001000100010001, kTops = kOnes << 15;
+  std::uint64_t four;
+  std::memcpy(&four, scores, sizeof(four));
+  return (((four | kTops) - kOnes * static_cast<std::uint64_t>(bar)) & kTops) != 0;
+}
+
 void offer_quads(const simd::BlockScores& scores, const Candidate& node, const Candidate& parent,
                  int threshold, BestChildren best) {
+  if (!any_reaches(scores.best, std::max<int>(threshold, best.slots[kChildrenKept - 1].score)))
+    return;
   for (int quad = 0; quad < 4; ++quad) {
     const int score = scores.best[quad];
     if (score < threshold || score < best.slots[kChildrenKept - 1].score) continue;

@@ -262,6 +262,21 @@ TEST(Prune, OnlyWhatIsFarLessProbableGoes) {
   EXPECT_TRUE(alone[0].alive);
 }
 
+TEST(Prune, TheHopelessGoesWhateverIsAbout) {
+  Contest c;
+  Hypothesis hopeless = c.verified(c.bracket.truth);
+  const Hypothesis good = hopeless;
+  hopeless.T_cam_centre = c.pose(500).T_cam_centre;
+  hopeless.evidence.contradicted = hopeless.evidence.samples / 2;
+  ASSERT_LT(log_odds_of(hopeless), -8);
+  const Scene scene = c.bracket.scene();
+  std::vector<Hypothesis> list{good, hopeless};
+  c.selector.prune(c.bracket.context(scene), list);
+  EXPECT_TRUE(list[0].alive);
+  EXPECT_FALSE(list[1].alive);
+  EXPECT_EQ(list[1].drop_reason, DropReason::kBelowMinScore);
+}
+
 TEST(Explain, TheBestOwnsThePixelsAndTheOthersCountAgainstIt) {
   Contest c;
   const Hypothesis best = c.verified(c.bracket.truth);
