@@ -199,30 +199,36 @@ std::size_t Detector::Impl::estimate_poses(std::size_t count, const Deadline& de
   auto observe = [&](Checkpoint checkpoint) {
     if (request.observer) request.observer->hypotheses(checkpoint, living());
   };
-  auto align_and_verify = [&](std::span<const AlignStep> schedule, std::span<Hypothesis> list,
-                              const PoseContext& align_end, const PoseContext& verify_end) {
-    timed(Stage::kAlign, report, [&] { align_all(align_end, schedule, list); });
-    timed(Stage::kVerify, report, [&] { verify_all(verify_end, list); });
-  };
   const PoseContext coarse_end = until(0.3), checked = until(0.4), fine_end = until(0.7),
                     end = until(1);
-  auto suppress = [&] {
-    count = timed(Stage::kSelect, report,
-                  [&] { return selector.suppress(end, living(), limits_of_aligned(), report); });
+  auto align = [&](std::span<const AlignStep> schedule, std::span<Hypothesis> list,
+                   const PoseContext& step_end) {
+    timed(Stage::kAlign, report, [&] { align_all(step_end, schedule, list); });
   };
-  align_and_verify(coarse_alignment(scene), living(), coarse_end, checked);
+  auto verify = [&](std::span<Hypothesis> list, const PoseContext& step_end) {
+    timed(Stage::kVerify, report, [&] { verify_all(step_end, list); });
+  };
+  auto suppress = [&](const SuppressLimits& limits) {
+    count = timed(Stage::kSelect, report,
+                  [&] { return selector.suppress(end, living(), limits, report); });
+  };
+  align(coarse_alignment(scene), living(), coarse_end);
+  suppress(limits_of_duplicates());  // half of them by now; spared the verification
+  verify(living(), checked);
   observe(Checkpoint::kAlignedCoarse);
-  suppress();
+  suppress(limits_of_aligned());
   timed(Stage::kSelect, report, [&] { selector.prune(end, living()); });
   observe(Checkpoint::kCoarseSelected);
-  align_and_verify(fine_alignment(scene), living(), fine_end, end);
+  align(fine_alignment(scene), living(), fine_end);
+  verify(living(), end);
   observe(Checkpoint::kAlignedFine);
-  suppress();
+  suppress(limits_of_aligned());
   const std::size_t found = count;
   count =
       timed(Stage::kAlternatives, report, [&] { return add_alternatives(end, hypotheses, found); });
-  align_and_verify(fine_alignment(scene), living().subspan(found), end, end);
-  suppress();
+  align(fine_alignment(scene), living().subspan(found), end);
+  verify(living().subspan(found), end);
+  suppress(limits_of_aligned());
   observe(Checkpoint::kFineSelected);
   return count;
 }

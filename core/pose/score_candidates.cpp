@@ -1,7 +1,6 @@
 #include "pose/score_candidates.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 
@@ -38,19 +37,22 @@ bool find_distance(const ObjectModel& model, const Scene& scene, const Viewpoint
   scene.kernels.look_at_surface(surface, pose_f(T), scene.depth_map, look);
   const double bin_mm = std::max(kWindowShare * model.info().diameter_mm / kBinsPerWindow,
                                  2 * range_mm / (kBinsMax - 1));
-  const auto bin_of = [&](int i) {
-    return static_cast<int>((static_cast<double>(look.offset_mm[i]) + range_mm) / bin_mm);
-  };
-  std::array<std::uint16_t, kBinsMax + 1> counts{};
-  const auto range = static_cast<float>(range_mm);
-  for (int i = 0; i < surface.count; ++i) {
-    if (std::fabs(look.offset_mm[i]) <= range) ++counts[static_cast<std::size_t>(bin_of(i))];
-  }
   const int bins = static_cast<int>(2 * range_mm / bin_mm) + 1;
+  const auto range = static_cast<float>(range_mm), bins_per_mm = static_cast<float>(1 / bin_mm);
+  // What is out of range or not measured goes to a bin of its own, behind the others.
+  int bin_of[kDistanceSamples];
+  std::uint16_t counts[kBinsMax + 1];
+  std::fill_n(counts, bins + 1, std::uint16_t{0});
+  for (int i = 0; i < surface.count; ++i) {
+    const float offset = look.offset_mm[i];
+    const float within = std::min(std::max(offset, -range), range);
+    bin_of[i] = within == offset ? static_cast<int>((offset + range) * bins_per_mm) : bins;
+  }
+  for (int i = 0; i < surface.count; ++i) ++counts[bin_of[i]];
   int best = 0, best_count = 0, window = 0;
   for (int b = 0; b < bins; ++b) {
-    window += counts[static_cast<std::size_t>(b)];
-    if (b >= kBinsPerWindow) window -= counts[static_cast<std::size_t>(b - kBinsPerWindow)];
+    window += counts[b];
+    if (b >= kBinsPerWindow) window -= counts[b - kBinsPerWindow];
     if (window > best_count) {
       best_count = window;
       best = b;
@@ -59,9 +61,8 @@ bool find_distance(const ObjectModel& model, const Scene& scene, const Viewpoint
   if (best_count < kAgreeingMin) return false;
   double sum_mm = 0;
   for (int i = 0; i < surface.count; ++i) {
-    if (!(std::fabs(look.offset_mm[i]) <= range)) continue;
-    const int b = bin_of(i);
-    if (b <= best && b > best - kBinsPerWindow) sum_mm += static_cast<double>(look.offset_mm[i]);
+    if (bin_of[i] <= best && bin_of[i] > best - kBinsPerWindow)
+      sum_mm += static_cast<double>(look.offset_mm[i]);
   }
   T.t_mm *= 1 + sum_mm / best_count / T.t_mm.z();
   return true;

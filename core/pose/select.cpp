@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "binpick/base/arena_plan.hpp"
@@ -93,6 +94,12 @@ SuppressLimits limits_of_candidates(std::size_t room) {
 
 SuppressLimits limits_of_aligned() {
   return {0.015, 2.5 * kDegree, 6, 0};
+}
+
+SuppressLimits limits_of_duplicates() {
+  SuppressLimits limits = limits_of_aligned();
+  limits.per_place = std::numeric_limits<int>::max();
+  return limits;
 }
 
 template <class Source>

@@ -21,6 +21,8 @@ struct SuppressLimits {
 SuppressLimits limits_of_candidates(std::size_t room);
 // Aligned poses.
 SuppressLimits limits_of_aligned();
+// Of those the duplicates alone: before verification the rank says little about a place.
+SuppressLimits limits_of_duplicates();
 
 struct SelectorLimits {
   int width_max = 0, height_max = 0;  // of the depth level

@@ -84,7 +84,8 @@ void MatchEdges(const ContourPlaces& places, int count, const GrayMap& gray, int
         profile[k] = GrayAt(gray, hn::Add(u, hn::Mul(away, du)), hn::Add(v, hn::Mul(away, dv)));
       }
       const auto contrast = [&](int k) { return hn::Abs(hn::Sub(profile[k + 1], profile[k - 1])); };
-      VF c = contrast(1), before = c;
+      // The best contrast and its neighbours; at the ends, where one is missing, it is no peak.
+      VF c = contrast(1), before = c, peak = c, left = c, right = c;
       for (int k = 1; k + 1 < steps; ++k) {
         const VF after = k + 2 < steps ? contrast(k + 1) : c;
         const float away = static_cast<float>(k - range_px - 1);
@@ -92,20 +93,21 @@ void MatchEdges(const ContourPlaces& places, int count, const GrayMap& gray, int
         const VF value =
             hn::Mul(hn::Min(c, Set(kContrastMax)), Set(1 - (kFarEdgeLoss * share) * share));
         const MF better = hn::And(hn::Ge(c, Set(kContrastMin)), hn::Gt(value, best));
-        VF here = Set(away);
-        if (k > 1 && k + 2 < steps) {
-          const VF bend = hn::Sub(hn::Add(before, after), hn::Add(c, c));
-          const VF vertex = hn::Min(
-              hn::Max(hn::Div(hn::Mul(Set(0.5f), hn::Sub(before, after)), bend), Set(-0.5f)),
-              Set(0.5f));
-          here = hn::IfThenElse(hn::Lt(bend, Set(-1e-3f)), hn::Add(here, vertex), here);
-        }
+        const bool inner = k > 1 && k + 2 < steps;
         best = hn::IfThenElse(better, value, best);
-        offset = hn::IfThenElse(better, here, offset);
+        offset = hn::IfThenElse(better, Set(away), offset);
+        peak = hn::IfThenElse(better, c, peak);
+        left = hn::IfThenElse(better, inner ? before : c, left);
+        right = hn::IfThenElse(better, inner ? after : c, right);
         found = hn::Or(found, better);
         before = c;
         c = after;
       }
+      // To a fraction of a pixel: the vertex of the parabola through the three.
+      const VF bend = hn::Sub(hn::Add(left, right), hn::Add(peak, peak));
+      const VF vertex = hn::Min(
+          hn::Max(hn::Div(hn::Mul(Set(0.5f), hn::Sub(left, right)), bend), Set(-0.5f)), Set(0.5f));
+      offset = hn::IfThenElse(hn::Lt(bend, Set(-1e-3f)), hn::Add(offset, vertex), offset);
       found = hn::And(found, visible);
       offset = hn::IfThenElseZero(found, offset);
     }

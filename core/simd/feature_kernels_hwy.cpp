@@ -183,7 +183,8 @@ void FitRow(ImageView<const float> depth_mm, const CameraIntrinsics& camera, int
       return hn::Mul(hn::Mul(hn::Sub(hn::Mul(a, b), hn::Mul(c, e)), scale), focal);
     };
     const auto p = slope(s.a22, s.b1, s.a12, s.b2, fx), q = slope(s.a11, s.b2, s.a12, s.b1, fy);
-    const auto xr = hn::Div(hn::Sub(hn::Iota(Floats(), static_cast<float>(x)), cx), fx);
+    const auto xr =
+        hn::Div(hn::Sub(hn::Add(hn::Iota(Floats(), 0), Number(static_cast<float>(x))), cx), fx);
     const auto nz = hn::Neg(hn::Add(hn::Add(one, hn::Mul(xr, p)), hn::Mul(yr, q)));
     const auto inv_n =
         hn::Div(one, hn::Sqrt(hn::Add(hn::Add(hn::Mul(p, p), hn::Mul(q, q)), hn::Mul(nz, nz))));
@@ -296,7 +297,7 @@ Roughness TileRoughness(ImageView<const float> depth_mm, int left, int top, int 
   float totals[kNoiseTilePx];
   auto count = hn::Zero(di);
   for (int x = left; x < left + kNoiseTilePx; x += lanes) {
-    const auto column = hn::Iota(d, static_cast<float>(x));
+    const auto column = hn::Add(hn::Iota(d, 0), hn::Set(d, static_cast<float>(x)));
     const auto inside =
         hn::And(hn::Ge(column, hn::Set(d, static_cast<float>(step))),
                 hn::Lt(column, hn::Set(d, static_cast<float>(depth_mm.width - step))));

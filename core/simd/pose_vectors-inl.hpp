@@ -50,9 +50,13 @@ HWY_INLINE V3 Minus(const V3& a, const V3& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
 
+// first, first + 1, ... Iota alone writes its lanes to memory where `first` is no constant.
+HWY_INLINE VI CountedFrom(int first) {
+  return hn::Add(hn::Iota(kI, 0), hn::Set(kI, first));
+}
 // The samples of one step that are there.
 HWY_INLINE MF Present(int first, int count) {
-  return hn::RebindMask(kF, hn::Lt(hn::Iota(kI, first), hn::Set(kI, count)));
+  return hn::RebindMask(kF, hn::Lt(CountedFrom(first), hn::Set(kI, count)));
 }
 
 HWY_INLINE V3 Turned(const PoseF& T, const V3& p) {

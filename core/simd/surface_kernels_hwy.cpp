@@ -119,7 +119,7 @@ int NearestDirection(const SampleArrays& directions, const float (&d)[3]) {
     const VF cosine = Dot(direction, wanted);
     const MF better = hn::And(Present(i, directions.count), hn::Gt(cosine, best));
     best = hn::IfThenElse(better, cosine, best);
-    index = hn::IfThenElse(hn::RebindMask(kI, better), hn::Iota(kI, i), index);
+    index = hn::IfThenElse(hn::RebindMask(kI, better), CountedFrom(i), index);
   }
   alignas(32) float cosines[kLanes];
   alignas(32) std::int32_t indices[kLanes];
