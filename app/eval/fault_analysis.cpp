@@ -26,9 +26,9 @@ bool displaced(const ResultRow& row, const PartTargets& targets,
                OracleStart ReferenceFinding::*start) {
   return std::any_of(targets.begin(), targets.end(), [&](const TargetFinding* t) {
     const ReferenceFinding& f = t->finding;
-    return t->frame == row.frame && f.has_rival && f.rival_share > kCoveredShareMax &&
+    return t->frame == row.frame && f.has_owner && f.owner_share > kCoveredShareMax &&
            (f.*start).right() && (f.*start).reported() &&
-           f.rival.T_cam_obj.t_mm == row.T_cam_obj.t_mm && f.rival.T_cam_obj.R == row.T_cam_obj.R;
+           f.owner.T_cam_obj.t_mm == row.T_cam_obj.t_mm && f.owner.T_cam_obj.R == row.T_cam_obj.R;
   });
 }
 

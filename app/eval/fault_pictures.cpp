@@ -34,8 +34,8 @@ Scene scene_of(const Fault& fault, const EvalPlan& plan, const PartLibrary& libr
     const Pose truth = truth_of(t.instance);
     s.centre_mm = truth.t_mm;
     s.items.push_back({truth, &mesh, std::nullopt, "", OverlayStyle::kMiss});
-    if (f.has_rival && t.rival.silhouette_px > 0) {
-      s.items.push_back({f.rival.T_cam_obj, &mesh, f.rival.score, "", OverlayStyle::kFalsePick});
+    if (f.has_owner && t.owner.silhouette_px > 0) {
+      s.items.push_back({f.owner.T_cam_obj, &mesh, f.owner.score, "", OverlayStyle::kFalsePick});
     }
     s.caption = "missed, " + std::string(loss_name(fault.missed->cause.loss)) + ": " +
                 fault.missed->cause.why;

@@ -121,12 +121,12 @@ json missed_to_json(const MissedPart& m) {
            {"from_truth", start_to_json(f.from_truth)},
            {"from_template", start_to_json(f.from_template)},
            {"measured_share", m.target->moved.measured_share()}};
-  out["rival"] = json();
-  if (f.has_rival) {
-    out["rival"] = {{"probability", f.rival.score},
-                    {"rank", f.rival_rank},
-                    {"share", f.rival_share},
-                    {"truth_advantage", m.target->rival.advantage()}};
+  out["pixels_owner"] = json();
+  if (f.has_owner) {
+    out["pixels_owner"] = {{"probability", f.owner.score},
+                           {"rank", f.owner_rank},
+                           {"share", f.owner_share},
+                           {"truth_advantage", m.target->owner.advantage()}};
   }
   return out;
 }

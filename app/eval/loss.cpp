@@ -50,13 +50,13 @@ LossCause what_data_hide(const TargetFinding& t) {
       return {Loss::kTruth, away + "better than at the pose given as true" + advantage};
     return {Loss::kData, away + "as well" + advantage};
   }
-  const bool compared = t.rival.silhouette_px > 0;
-  if (f.has_rival && compared && f.rival_share > kCoveredShareMax &&
-      !told_apart(t.rival, contour, f.rival.contour_support)) {
+  const bool compared = t.owner.silhouette_px > 0;
+  if (f.has_owner && compared && f.owner_share > kCoveredShareMax &&
+      !told_apart(t.owner, contour, f.owner.contour_support)) {
     return {Loss::kData,
             "the pose reported in its place fits the data as well (the truth's advantage: depth " +
-                percent(t.rival.advantage()) + ", outline " +
-                percent(contour - f.rival.contour_support) + ")"};
+                percent(t.owner.advantage()) + ", outline " +
+                percent(contour - f.owner.contour_support) + ")"};
   }
   return {};
 }
@@ -159,7 +159,7 @@ LossCause cause_of(const TargetFinding& t, bool found, double threshold,
     return {Loss::kRanking, "even begun at the truth " + percent(start.owned_by_better) +
                                 " of its pixels belong to poses that explain more (rank " +
                                 fixed_digits(start.rank, 0) + " against " +
-                                fixed_digits(t.finding.rival_rank, 0) + ")" + also};
+                                fixed_digits(t.finding.owner_rank, 0) + ")" + also};
   }
   return trace;
 }

@@ -39,18 +39,18 @@ void compare_with_data(const OracleRequest& request, const Frame& frame, const P
   const Pose& best = stayed ? f.from_truth.detection.T_cam_obj : truth;
   t.moved = comparer.compare(frame, mesh, best,
                              f.from_truth.posed ? f.from_truth.detection.T_cam_obj : truth);
-  if (!f.has_rival) return;
+  if (!f.has_owner) return;
   // Another kind of part, or one that stands beside, is no other pose of this one.
-  const int rival_id = models.origins()[static_cast<std::size_t>(f.rival.model_index)].obj_id;
+  const int owner_id = models.origins()[static_cast<std::size_t>(f.owner.model_index)].obj_id;
   const PartGeometry& part = request.geometry.at(t.obj_id);
-  const Pose& rival = f.rival.T_cam_obj;
-  if (rival_id != t.obj_id || (rival.t_mm - truth.t_mm).norm() > part.diameter_mm() / 2) return;
+  const Pose& owner = f.owner.T_cam_obj;
+  if (owner_id != t.obj_id || (owner.t_mm - truth.t_mm).norm() > part.diameter_mm() / 2) return;
   for (const ScoredInstance& other : request.plan.truth.at(t.frame)) {
     if (other.truth.obj_id != t.obj_id) continue;
-    const PoseError6 error = part.six_errors(rival, other.truth.T_cam_obj, request.options.limits);
+    const PoseError6 error = part.six_errors(owner, other.truth.T_cam_obj, request.options.limits);
     if (relative_error(error, request.options.limits) < 1) return;
   }
-  t.rival = comparer.compare(frame, mesh, best, rival);
+  t.owner = comparer.compare(frame, mesh, best, owner);
 }
 
 }  // namespace

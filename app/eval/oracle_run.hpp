@@ -20,7 +20,7 @@ struct TargetFinding {
   ReferenceFinding finding;
   // The truth as refinement leaves it, or as given where that is no longer right, against:
   PoseComparison moved;  // where refinement took the truth
-  PoseComparison rival;  // another pose of this part that was accepted; empty where there is none
+  PoseComparison owner;  // another pose of this part that was accepted; empty where there is none
 };
 
 struct OracleRequest {

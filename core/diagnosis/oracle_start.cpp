@@ -43,15 +43,15 @@ class Starter {
     return finished(h);
   }
 
-  void find_rival(const Hypothesis& known, ReferenceFinding& finding) {
+  void find_owner(const Hypothesis& known, ReferenceFinding& finding) {
     for (const Hypothesis& h : cycle_.explained) {
       if (!h.alive || is_known(h)) continue;
       const double share = share_covered_by(h, known);
-      if (share <= finding.rival_share) continue;
-      finding.has_rival = true;
-      finding.rival = detection_of(cycle_.models, scene_, h);
-      finding.rival_rank = h.rank;
-      finding.rival_share = share;
+      if (share <= finding.owner_share) continue;
+      finding.has_owner = true;
+      finding.owner = detection_of(cycle_.models, scene_, h);
+      finding.owner_rank = h.rank;
+      finding.owner_share = share;
     }
   }
 
@@ -147,7 +147,7 @@ void start_from_reference(const ObservedCycle& cycle, const ReferencePose& refer
   }
   finding.from_truth = starter.from_truth(leaf);
   finding.from_template = starter.from_template(leaf);
-  starter.find_rival(starter.at_truth(leaf), finding);
+  starter.find_owner(starter.at_truth(leaf), finding);
 }
 
 }  // namespace binpick

@@ -43,13 +43,13 @@ LossCause cause(const TargetFinding& t) {
   return cause_of(t, false, kThreshold, kThreshold);
 }
 
-void add_rival(TargetFinding& t, double advantage_px) {
-  t.finding.has_rival = true;
-  t.finding.rival_share = 0.9;
-  t.finding.rival.score = 0.8;
-  t.finding.rival.contour_support = 0.8;
-  t.rival = t.moved;
-  t.rival.advantage_px = advantage_px;
+void add_owner(TargetFinding& t, double advantage_px) {
+  t.finding.has_owner = true;
+  t.finding.owner_share = 0.9;
+  t.finding.owner.score = 0.8;
+  t.finding.owner.contour_support = 0.8;
+  t.owner = t.moved;
+  t.owner.advantage_px = advantage_px;
 }
 
 TEST(Loss, IsNoneForWhatWasFound) {
@@ -110,15 +110,15 @@ TEST(Loss, CountsWhatStopsEvenTheTruth) {
 
 TEST(Loss, BlamesTheDataWhereTheyDoNotTell) {
   TargetFinding t = seen_until(Checkpoint::kFineSelected);
-  add_rival(t, 2);
+  add_owner(t, 2);
   EXPECT_EQ(cause(t).loss, Loss::kData);
-  add_rival(t, 60);
+  add_owner(t, 60);
   EXPECT_NE(cause(t).loss, Loss::kData) << "the depth tells the truth from it";
-  add_rival(t, 2);
-  t.finding.rival.contour_support = 0.6;
+  add_owner(t, 2);
+  t.finding.owner.contour_support = 0.6;
   EXPECT_NE(cause(t).loss, Loss::kData) << "the outline tells";
-  add_rival(t, 2);
-  t.finding.rival_share = 0.2;
+  add_owner(t, 2);
+  t.finding.owner_share = 0.2;
   EXPECT_NE(cause(t).loss, Loss::kData) << "it stands beside";
   t = seen_until(-1);
   t.moved.measured_px = 50;
@@ -187,8 +187,8 @@ struct Case {
       targets.push_back(seen_until(i == 0 ? Checkpoint::kAccepted : Checkpoint::kScanned));
       targets.back().instance = i;
     }
-    add_rival(targets[1], 100);
-    targets[1].finding.rival.T_cam_obj = rows[1].T_cam_obj;
+    add_owner(targets[1], 100);
+    targets[1].finding.owner.T_cam_obj = rows[1].T_cam_obj;
   }
   std::vector<PartFaults> faults() const {
     return analyse_faults(score, truth, geometry, rows, targets);

@@ -50,7 +50,7 @@ TEST(Diagnosis, FollowsAFoundPartToTheEnd) {
     EXPECT_GT(f.from_truth.detection.score, 0.5);
     EXPECT_TRUE(f.from_template.right());
     EXPECT_TRUE(f.from_template.reported());
-    EXPECT_LT(f.rival_share, 0.1) << "nothing else stands in its place";
+    EXPECT_LT(f.owner_share, 0.1) << "nothing else stands in its place";
     int searched = 0;
     for (const double score : f.template_scores) {
       searched += score >= 0;

@@ -58,11 +58,11 @@ struct ReferenceFinding {
   std::array<double, kModelDepthsMax> template_scores{-1, -1, -1, -1};
   OracleStart from_truth;     // fine alignment and verification
   OracleStart from_template;  // the nearest leaf, then all pose steps
-  // The accepted pose that explains most of what the known one would, and is another.
-  bool has_rival = false;
-  Detection rival;
-  double rival_rank = 0;
-  double rival_share = 0;  // of what the known pose explains
+  // Another pose, accepted, that owns most of the pixels of the known one.
+  bool has_owner = false;
+  Detection owner;
+  double owner_rank = 0;
+  double owner_share = 0;  // of what the known pose explains
 };
 
 // detect(), and one finding for each reference. References to models that are not asked for stay as
