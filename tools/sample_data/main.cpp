@@ -1,6 +1,7 @@
 // make_sample_data: renders bins full of parts, with truth, in the BOP layout.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -25,6 +26,7 @@ struct Options {
   int part_count = 0;
   double tilt_deg_max = 15;
   double shine = 1;
+  double image_scale = 1;
 };
 
 // Seeds of frames do not depend on how many frames are asked for.
@@ -32,6 +34,16 @@ std::uint64_t frame_seed(std::uint64_t seed, int scene, int frame) {
   Rng of_set(seed);
   Rng of_scene = of_set.fork(static_cast<std::uint64_t>(scene));
   return of_scene.fork(static_cast<std::uint64_t>(frame)).next();
+}
+
+// The same view with so many times more pixels in a row, and as many more in a column.
+CameraParams camera_for(double scale) {
+  CameraParams camera;
+  camera.width = static_cast<int>(std::lround(camera.width * scale));
+  camera.height = static_cast<int>(std::lround(camera.height * scale));
+  for (double* focal : {&camera.fx, &camera.fy, &camera.bin_length_px}) *focal *= scale;
+  for (double* middle : {&camera.cx, &camera.cy}) *middle = (*middle + 0.5) * scale - 0.5;
+  return camera;
 }
 
 // Parts that shine so many times more than usual blind the sensor with so much less light, and are
@@ -71,6 +83,7 @@ void run(const Options& options) {
       options.mesh_paths.empty() ? make_own_parts() : read_parts(options.mesh_paths);
   FrameParams params;
   params.part_count = options.part_count;
+  params.camera = camera_for(options.image_scale);
   params.camera.tilt_max_rad = options.tilt_deg_max * binpick::kDegree;
   params.sensor = sensor_for(options.shine);
   write_models(options.out, parts, params.camera);
@@ -114,6 +127,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--shine", options.shine, "how much shinier than usual, and so with less depth")
       ->check(CLI::Range(1.0, 5.0))
+      ->capture_default_str();
+  app.add_option("--image-scale", options.image_scale, "pixels in a row, times the usual 1280")
+      ->check(CLI::Range(0.25, 4.0))
       ->capture_default_str();
   app.add_option("--cad-out", options.cad_out, "also write the meshes as STL into this folder");
   CLI11_PARSE(app, argc, argv);
