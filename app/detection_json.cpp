@@ -29,10 +29,22 @@ ordered_json to_json(const PoseUncertainty& u) {
           {"covariance_rad_mm", u.covariance}};
 }
 
+ordered_json alternatives_json(const Detection& d) {
+  auto json = ordered_json::array();
+  for (const PoseAlternative& a :
+       std::span(d.alternatives).first(static_cast<std::size_t>(d.alternative_count)))
+    json.push_back({{"T_cam_obj", matrix_rows(a.T_cam_obj)}, {"probability", a.probability}});
+  return json;
+}
+
 ordered_json to_json(const Detection& d, std::span<const std::string> model_names) {
   return {{"model", model_names[static_cast<std::size_t>(d.model_index)]},
           {"model_index", d.model_index},
           {"score", d.score},
+          {"symmetric", d.symmetric},
+          {"pose_probability", d.pose_probability},
+          {"pose_ambiguous", pose_ambiguous(d)},
+          {"alternatives", alternatives_json(d)},
           {"T_cam_obj", matrix_rows(d.T_cam_obj)},
           {"quaternion_wxyz", quaternion_wxyz(d.T_cam_obj.R)},
           {"translation_mm", {d.T_cam_obj.t_mm.x(), d.T_cam_obj.t_mm.y(), d.T_cam_obj.t_mm.z()}},

@@ -97,6 +97,12 @@ void print_report(const DetectRun& run, const DetectionReport& report) {
         t.y(), t.z(), q[0], q[1], q[2], q[3], d.visible_fraction, d.depth_support,
         d.contour_support, d.depth_residual_mm, held(u.weak_shift_mm, u.shift_observable).c_str(),
         held(u.weak_turn_rad / kDegree, u.turn_observable).c_str());
+    if (pose_ambiguous(d)) {
+      std::printf(
+          "%4s ambiguous: the part looks the same in other poses; this one is right with "
+          "%.0f %%\n",
+          "", 100 * d.pose_probability);
+    }
   }
   print_times(report);
 }

@@ -24,10 +24,13 @@ std::string line_text(const Vec3& axis, const Vec3& point_mm) {
   return text;
 }
 
-std::string difference_text(float share, float deviation_mm) {
-  char text[80];
-  std::snprintf(text, sizeof text, ": differs in %.1f %% of the surface, by up to %.1f mm",
-                100 * static_cast<double>(share), static_cast<double>(deviation_mm));
+template <class Row>
+std::string difference_text(const Row& near) {
+  char text[120];
+  std::snprintf(text, sizeof text, ": differs in %.1f %% of the surface, by up to %.1f mm%s",
+                100 * static_cast<double>(near.differing_share),
+                static_cast<double>(near.deviation_mm),
+                near.kind == SymmetryKind::kIndistinguishable ? "; the sensor cannot tell" : "");
   return text;
 }
 
@@ -86,8 +89,7 @@ std::vector<std::string> symmetry_lines(const ObjectModel& model) {
   for (const FoldAxis& f : fold_axes(model))
     lines.push_back(std::to_string(f.fold) + "-fold about " + line_text(f.axis, f.point_mm));
   for (const SymmetryAxis& a : symmetry.near_axes) {
-    add_axis("near-symmetric: turned by any angle about ", a.axis, a.point_mm,
-             difference_text(a.differing_share, a.deviation_mm));
+    add_axis("near-symmetric: turned by any angle about ", a.axis, a.point_mm, difference_text(a));
   }
   for (const SymmetryTurn& t : symmetry.near_turns) {
     char what[80], shift[60] = "";
@@ -97,7 +99,7 @@ std::vector<std::string> symmetry_lines(const ObjectModel& model) {
       std::snprintf(shift, sizeof shift, ", shifted along it by %.1f mm",
                     static_cast<double>(t.shift_mm));
     }
-    add_axis(what, t.axis, t.point_mm, shift + difference_text(t.differing_share, t.deviation_mm));
+    add_axis(what, t.axis, t.point_mm, shift + difference_text(t));
   }
   if (lines.empty()) lines.emplace_back("none");
   return lines;
@@ -117,15 +119,16 @@ nlohmann::ordered_json symmetry_json(const ObjectModel& model) {
     json["folds"].push_back(
         {{"axis", to_json(f.axis)}, {"offset", to_json(f.point_mm)}, {"fold", f.fold}});
   }
-  const auto add_near = [&](nlohmann::ordered_json row, float share, float deviation_mm) {
-    row["differing_share"] = share;
-    row["deviation_mm"] = deviation_mm;
+  const auto add_near = [&](nlohmann::ordered_json row, const auto& near) {
+    row["differing_share"] = near.differing_share;
+    row["deviation_mm"] = near.deviation_mm;
+    row["indistinguishable"] = near.kind == SymmetryKind::kIndistinguishable;
     json["near"].push_back(std::move(row));
   };
   for (const SymmetryAxis& a : symmetry.near_axes) {
     nlohmann::ordered_json row = axis_json(model, a);
     row["angle_deg"] = nullptr;  // any
-    add_near(std::move(row), a.differing_share, a.deviation_mm);
+    add_near(std::move(row), a);
   }
   for (const SymmetryTurn& t : symmetry.near_turns) {
     add_near({{"axis", to_json(vector_of(t.axis))},
@@ -133,7 +136,7 @@ nlohmann::ordered_json symmetry_json(const ObjectModel& model) {
               {"angle_deg", static_cast<double>(t.angle_rad) / kDegree},
               {"shift_mm", t.shift_mm},
               {"matrix", matrix_json(model, t)}},
-             t.differing_share, t.deviation_mm);
+             t);
   }
   return json;
 }

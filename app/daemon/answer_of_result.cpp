@@ -8,11 +8,21 @@ namespace {
 namespace map = modbus::map;
 
 // Parts of which less can be seen are flagged.
-constexpr double kPartlyHidden = 0.9;
+constexpr double kPartlyHiddenBelow = 0.9;
 constexpr std::int64_t kNsPerMs = 1'000'000;
 
 std::uint16_t held(int value) {
   return static_cast<std::uint16_t>(std::clamp(value, 0, 65535));
+}
+
+std::uint16_t flags_of(const Pick& pick) {
+  using enum map::PickFlagsBit;
+  const auto bit = [](bool set, map::PickFlagsBit which) {
+    return set ? static_cast<int>(which) : 0;
+  };
+  return static_cast<std::uint16_t>(bit(pick.visible_fraction < kPartlyHiddenBelow, kPartlyHidden) |
+                                    bit(pick.symmetric, kSymmetric) |
+                                    bit(pick.pose_ambiguous, kPoseAmbiguous));
 }
 
 void fill_page(const CycleResult& result, modbus::AnswerSnapshot& answer) {
@@ -21,14 +31,12 @@ void fill_page(const CycleResult& result, modbus::AnswerSnapshot& answer) {
   for (std::size_t i = first; i < result.picks.size(); ++i) {
     if (answer.page_pick_count == map::kPicksPerPage) break;
     const Pick& pick = result.picks[i];
-    const bool hidden = pick.visible_fraction < kPartlyHidden;
     answer.page_picks[static_cast<std::size_t>(answer.page_pick_count++)] = {
         .T_ref_part = pick.T_ref_pick,
         .score = pick.score,
         .visible = pick.visible_fraction,
         .recipe = held(result.recipe),
-        .flags = hidden ? static_cast<std::uint16_t>(map::PickFlagsBit::kPartlyHidden)
-                        : std::uint16_t{0}};
+        .flags = flags_of(pick)};
   }
 }
 

@@ -142,6 +142,8 @@ std::string result_json(const CycleResult& r) {
   for (const Pick& pick : r.picks) {
     json["picks"].push_back({{"T_ref_pick", matrix_json(pick.T_ref_pick)},
                              {"score", pick.score},
+                             {"symmetric", pick.symmetric},
+                             {"pose_ambiguous", pick.pose_ambiguous},
                              {"visible_fraction", pick.visible_fraction},
                              {"depth_residual_mm", pick.depth_residual_mm},
                              {"model", pick.model}});

@@ -38,6 +38,8 @@ struct Order {
 struct Pick {
   Pose T_ref_pick;  // mm; the reference is CycleResult::pose_frame
   double score = 0;
+  bool symmetric = false;       // Detection::symmetric
+  bool pose_ambiguous = false;  // pose_ambiguous(Detection)
   double visible_fraction = 0;
   double depth_residual_mm = 0;
   int model = 0;  // index into the recipe's models

@@ -40,8 +40,13 @@ int rank_picks(std::span<const Detection> detections, const Recipe& recipe, Rank
   for (std::size_t i = 0; i < given; ++i) {
     const Detection& d = detections[static_cast<std::size_t>(order[i])];
     const auto in_recipe = std::find(recipe.models.begin(), recipe.models.end(), d.model_index);
-    picks[i] = {T_ref_cam * d.T_cam_obj * recipe.T_obj_pick, d.score, d.visible_fraction,
-                d.depth_residual_mm, static_cast<int>(in_recipe - recipe.models.begin())};
+    picks[i] = {T_ref_cam * d.T_cam_obj * recipe.T_obj_pick,
+                d.score,
+                d.symmetric,
+                pose_ambiguous(d),
+                d.visible_fraction,
+                d.depth_residual_mm,
+                static_cast<int>(in_recipe - recipe.models.begin())};
   }
   return static_cast<int>(given);
 }

@@ -4,6 +4,7 @@
 
 #include "binpick/detect/detector.hpp"
 #include "error_text.hpp"
+#include "training/near_symmetries.hpp"
 #include "training/score_calibration.hpp"
 #include "training/variance_scale.hpp"
 
@@ -26,54 +27,60 @@ ObjectModel parsed(const std::vector<std::uint8_t>& bytes) {
   return model.value();
 }
 
-// With the symmetries that training found, so that no pose is wrong that nobody can tell from
-// right.
-PartGeometry geometry_of(const ObjectModel& model, const train::Mesh& mesh) {
-  const Vec3 centre_mm = model.centre_mm();
-  drivers::BopModel part;
-  part.obj_id = kPileObject;
-  part.diameter_mm = model.info().diameter_mm;
-  for (const SymmetryTurn& turn : model.symmetry().exact_turns)
-    part.symmetries_discrete.push_back(in_cad(move_of(turn), centre_mm));
-  for (const SymmetryAxis& axis : model.symmetry().exact_axes) {
-    part.symmetries_continuous.push_back(
-        {vector_of(axis.axis), vector_of(axis.point_mm) + centre_mm});
-  }
-  return PartGeometry(part, mesh);
-}
-
 // A stage's own progress as its share of the whole.
 train::TrainProgress share_of(const train::TrainProgress& progress, double from, double to) {
   return [=](double done) { progress(from + (to - from) * done); };
 }
 
-ScoreCalibration score_of(const PileTrial& trial, const PartGeometry& geometry) {
+PoseLimits limits_of(const ObjectModel& model) {
   PoseLimits limits;
-  limits.mm = std::min(limits.mm, kLimitInDiameters * geometry.diameter_mm());
+  limits.mm = std::min(limits.mm, kLimitInDiameters * model.info().diameter_mm);
+  return limits;
+}
+
+ScoreCalibration score_of(const PileTrial& trial, const PartGeometry& geometry,
+                          const PoseLimits& limits) {
   const std::vector<bool> right = right_rows(trial, geometry, limits);
   std::vector<JudgedScore> poses;
   for (std::size_t i = 0; i < right.size(); ++i) poses.push_back({trial.rows[i].score, right[i]});
   return fit_calibration(poses);
 }
 
-void calibrate(const ObjectModel& model, const PartGeometry& geometry,
-               const std::vector<SimulatedPile>& piles, WorkerPool& pool,
-               const train::TrainProgress& progress, ModelTrials& trials) {
-  const auto trial_of = [&](Modality modality, int number) {
-    return run_trial(model, piles, modality, pool,
-                     share_of(progress, number / 3.0, (number + 1) / 3.0));
+// Marks what detection cannot tell, then fits scores and variances to what it then finds.
+ModelTrials calibrate(std::vector<std::uint8_t>& model_bytes, const train::Mesh& mesh,
+                      const std::vector<SimulatedPile>& piles, WorkerPool& pool,
+                      const train::TrainProgress& progress) {
+  int done = 0;
+  const auto trial_of = [&](Modality modality) {
+    const PileTrial trial = run_trial(parsed(model_bytes), piles, modality, pool,
+                                      share_of(progress, done / 4.0, (done + 1) / 4.0));
+    ++done;
+    return trial;
   };
-  const PileTrial both = trial_of(Modality::kDepthAndIntensity, 0);
-  const PileTrial intensity = trial_of(Modality::kIntensity, 1);
-  trials.with_intensity = score_of(both, geometry);
-  trials.depth_alone = score_of(trial_of(Modality::kDepth, 2), geometry);
-  trials.intensity_alone = score_of(intensity, geometry);
+  PileTrial both = trial_of(Modality::kDepthAndIntensity);
+  {
+    const ObjectModel model = parsed(model_bytes);
+    const train::NearSymmetries which =
+        indistinguishable_symmetries(both, model, mesh, limits_of(model));
+    train::set_indistinguishable(model_bytes, which);
+  }
+  const ObjectModel model = parsed(model_bytes);
+  const PartGeometry geometry = geometry_of(model, mesh);
+  const PoseLimits limits = limits_of(model);
+  both = trial_of(Modality::kDepthAndIntensity);
+  const PileTrial intensity = trial_of(Modality::kIntensity);
+  ModelTrials trials;
+  trials.calibration_piles = static_cast<std::int32_t>(piles.size());
+  trials.with_intensity = score_of(both, geometry, limits);
+  trials.depth_alone = score_of(trial_of(Modality::kDepth), geometry, limits);
+  trials.intensity_alone = score_of(intensity, geometry, limits);
   const auto grow = [&](const PileTrial& trial, double& scale) {
     if (const auto growth = growth_of_variance(trial, geometry, model.centre_mm()))
       scale *= *growth;
   };
   grow(both, trials.variance_scale);
   grow(intensity, trials.variance_scale_intensity_alone);
+  return trials;
 }
 
 }  // namespace
@@ -99,7 +106,6 @@ TrainedPart try_part(std::vector<std::uint8_t> model_bytes, const train::Importe
   out.model = std::move(model_bytes);
   if (plan.calibration_piles <= 0 && plan.test_piles <= 0) return out;
 
-  const PartGeometry geometry = geometry_of(parsed(out.model), part.mesh);
   const PileMaker maker(part, options);
   const auto progress_of = [&](const char* step) -> train::TrainProgress {
     return [&tell, step](double share) { tell(step, share); };
@@ -112,9 +118,8 @@ TrainedPart try_part(std::vector<std::uint8_t> model_bytes, const train::Importe
   ModelTrials trials;
   if (plan.calibration_piles > 0) {
     const auto piles = piles_of("calibration", plan.calibration_piles, kCalibrationSeed);
-    calibrate(parsed(out.model), geometry, piles, pool,
-              share_of(progress_of("calibration"), kPilesShare, 1), trials);
-    trials.calibration_piles = plan.calibration_piles;
+    trials = calibrate(out.model, part.mesh, piles, pool,
+                       share_of(progress_of("calibration"), kPilesShare, 1));
     train::set_trials(out.model, trials);
   }
   if (plan.test_piles > 0) {
@@ -122,7 +127,7 @@ TrainedPart try_part(std::vector<std::uint8_t> model_bytes, const train::Importe
     const ObjectModel model = parsed(out.model);
     const PileTrial trial = run_trial(model, piles, Modality::kDepthAndIntensity, pool,
                                       share_of(progress_of("self-test"), kPilesShare, 1));
-    out.self_test = judge(trial, geometry, DetectRequest{}.min_score);
+    out.self_test = judge(trial, geometry_of(model, part.mesh), DetectRequest{}.min_score);
     out.advice = advice(*out.self_test, model);
     trials.self_test = out.self_test->record;
     train::set_trials(out.model, trials);

@@ -1,19 +1,48 @@
 #include "detect/detection_of.hpp"
 
+#include <algorithm>
+
 #include "pose/uncertainty.hpp"
 
 namespace binpick {
+namespace {
+
+Pose in_object_frame(const ObjectModel& model, const Pose& T_cam_centre) {
+  return {T_cam_centre.R, T_cam_centre.t_mm - T_cam_centre.R * model.centre_mm()};
+}
+
+bool looks_same_elsewhere(const PartSymmetry& symmetry) {
+  const auto indistinguishable = [](const auto& near) {
+    return near.kind == SymmetryKind::kIndistinguishable;
+  };
+  return !symmetry.exact_turns.empty() || !symmetry.exact_axes.empty() ||
+         std::ranges::any_of(symmetry.near_turns, indistinguishable) ||
+         std::ranges::any_of(symmetry.near_axes, indistinguishable);
+}
+
+void add_alternatives_of(const Hypothesis& h, const ObjectModel& model, Detection& d) {
+  const double own = odds_alone(h), all = own + h.ambiguity.odds;
+  d.pose_probability = own / all;
+  for (const Hypothesis* other : h.ambiguity.best) {
+    if (other == nullptr) break;
+    d.alternatives[static_cast<std::size_t>(d.alternative_count++)] = {
+        in_object_frame(model, other->T_cam_centre), odds_alone(*other) / all};
+  }
+}
+
+}  // namespace
 
 Detection detection_of(std::span<const ObjectModel> models, const Scene& scene,
                        const Hypothesis& h) {
   const ObjectModel& model = models[h.candidate.model];
   Detection d;
   d.model_index = h.candidate.model;
-  d.T_cam_obj = h.T_cam_centre;
-  d.T_cam_obj.t_mm -= h.T_cam_centre.R * model.centre_mm();
+  d.T_cam_obj = in_object_frame(model, h.T_cam_centre);
   d.score_terms = terms_of(h);
   d.uncertainty = pose_uncertainty(model, scene, h.T_cam_centre);
   d.score = h.score;
+  d.symmetric = looks_same_elsewhere(model.symmetry());
+  add_alternatives_of(h, model, d);
   d.visible_fraction = h.evidence.visible_fraction();
   d.depth_support = h.evidence.depth_support();
   d.contour_support = h.evidence.contour_support();

@@ -84,7 +84,7 @@ bool template_valid(const TemplateRange& t, std::span<const Feature> features) {
 template <class Row>
 bool symmetry_row_valid(const Row& row) {
   const auto kind = static_cast<std::int32_t>(row.kind);
-  if (kind != 0 && kind != 1) return false;
+  if (kind < 0 || kind > 2) return false;
   if (!all_finite(row.axis) || !all_finite(row.point_mm)) return false;
   const double length =
       std::hypot(static_cast<double>(row.axis[0]), static_cast<double>(row.axis[1]),
@@ -94,13 +94,13 @@ bool symmetry_row_valid(const Row& row) {
       !std::isfinite(row.deviation_mm)) {
     return false;
   }
-  return kind == 1 || row.differing_share == 0;
+  return kind != 0 || row.differing_share == 0;
 }
 
 bool turn_valid(const SymmetryTurn& t) {
   const double angle = std::abs(static_cast<double>(t.angle_rad));
   return symmetry_row_valid(t) && angle > 1e-3 && angle <= kPi + 1e-6 &&
-         std::isfinite(t.shift_mm) && (t.kind == SymmetryKind::kNear || t.shift_mm == 0);
+         std::isfinite(t.shift_mm) && (t.kind != SymmetryKind::kExact || t.shift_mm == 0);
 }
 
 // How many rows are exact, when these are the first ones and both kinds are within their limits.
@@ -112,7 +112,7 @@ bool split_kinds(std::span<const Row> rows, std::size_t exact_max, std::size_t n
   exact = rows.first(count);
   near = rows.subspan(count);
   for (const Row& row : near) {
-    if (row.kind != SymmetryKind::kNear) return false;
+    if (row.kind == SymmetryKind::kExact) return false;
   }
   return exact.size() <= exact_max && near.size() <= near_max;
 }

@@ -1,6 +1,7 @@
 #include "pose/hypothesis.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "pose/score.hpp"
 
@@ -47,6 +48,11 @@ ScoreTerms terms_of(const Hypothesis& h) {
 
 double log_odds_of(const Hypothesis& h) {
   return log_odds(terms_of(h), h.evidence.seen);
+}
+
+double odds_alone(const Hypothesis& h) {
+  const double template_score = static_cast<double>(h.candidate.score) / kScoreOne;
+  return std::exp(log_odds(score_terms(h.evidence, template_score), h.evidence.seen));
 }
 
 double score_of(const PoseContext& context, const Hypothesis& h) {

@@ -1,6 +1,7 @@
 // A pose on its way from a matched template to a detection.
 #pragma once
 
+#include <array>
 #include <span>
 
 #include "base/deadline.hpp"
@@ -14,6 +15,14 @@
 
 namespace binpick {
 
+struct Hypothesis;
+
+// Other poses of a part that look the same as one, which detection cannot tell from it.
+struct PoseAmbiguity {
+  double odds = 0;  // of all of them, by the evidence
+  std::array<const Hypothesis*, kPoseAlternativesMax> best{};  // the most probable first
+};
+
 struct Hypothesis {
   Candidate candidate;
   Pose T_cam_centre;
@@ -23,6 +32,7 @@ struct Hypothesis {
   double score = 0;
   double rank = 0;             // what hypotheses are ordered by
   double conflict_odds = 0;    // sum over the other poses that explain the same pixels
+  PoseAmbiguity ambiguity;     // of those that look the same
   bool is_local_best = false;  // the best at its place, after non-maximum suppression
   bool alive = true;
   DropReason drop_reason = DropReason::kDuplicate;  // where not alive
@@ -48,6 +58,8 @@ struct PoseContext {
 
 ScoreTerms terms_of(const Hypothesis& h);
 double log_odds_of(const Hypothesis& h);
+// By its own evidence, whatever else explains its pixels.
+double odds_alone(const Hypothesis& h);
 // With the conflicts that are known by now.
 double score_of(const PoseContext& context, const Hypothesis& h);
 

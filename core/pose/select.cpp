@@ -37,6 +37,17 @@ Pose at_distance_of(const Pose& with, Pose T) {
   return T;
 }
 
+void add_alternative(const Hypothesis& other, double odds, PoseAmbiguity& ambiguity) {
+  ambiguity.odds += odds;
+  auto& best = ambiguity.best;
+  const auto at = std::find_if(best.begin(), best.end(), [&](const Hypothesis* known) {
+    return known == nullptr || odds_alone(*known) < odds;
+  });
+  if (at == best.end()) return;
+  std::move_backward(at, best.end() - 1, best.end());
+  *at = &other;
+}
+
 struct Neighbours {
   bool duplicate = false;
   int at_place = 0;  // not counted to the end where duplicate
@@ -232,13 +243,18 @@ std::optional<DropReason> objection_to(const Hypothesis& h, double min_score) {
 
 void add_conflict(const PoseContext& context, const Hypothesis& other, Hypothesis& owner) {
   const std::size_t index = owner.candidate.model;
-  if (other.candidate.model == index &&
-      context.symmetries[index].same(owner.T_cam_centre, other.T_cam_centre,
-                                     kSamePickShare * context.models[index].info().diameter_mm,
-                                     kSamePickAngle)) {
-    return;
+  const double odds = odds_alone(other);
+  if (other.candidate.model == index) {
+    const SymmetryTransforms& symmetries = context.symmetries[index];
+    const Pose &a = owner.T_cam_centre, &b = other.T_cam_centre;
+    const double near_mm = kSamePickShare * context.models[index].info().diameter_mm;
+    if (symmetries.same(a, b, near_mm, kSamePickAngle)) return;
+    if (symmetries.looks_same(a, b, near_mm, kSamePickAngle)) {
+      add_alternative(other, odds, owner.ambiguity);
+      return;
+    }
   }
-  owner.conflict_odds += std::exp(log_odds_of(other));
+  owner.conflict_odds += odds;
 }
 
 }  // namespace binpick

@@ -73,7 +73,7 @@ class Selector {
 // What a pose's own evidence says against reporting it; nothing where it is good.
 std::optional<DropReason> objection_to(const Hypothesis& h, double min_score);
 // Counts a pose that explains the owner's pixels against the owner, unless it is the same pose for
-// whoever grips the part.
+// whoever grips the part. One that looks the same makes the owner ambiguous, not less right.
 void add_conflict(const PoseContext& context, const Hypothesis& other, Hypothesis& owner);
 
 }  // namespace binpick

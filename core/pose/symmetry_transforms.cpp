@@ -28,13 +28,18 @@ bool within(const Pose& a, const Pose& b, double position_mm, double rotation_ra
 }  // namespace
 
 void SymmetryTransforms::plan(const ObjectModel& model, ArenaPlan& plan) {
-  plan.take<Pose>(model.symmetry().exact_turns.size());
+  const PartSymmetry& symmetry = model.symmetry();
+  plan.take<Pose>(symmetry.exact_turns.size());
   plan.take<Pose>(near_max(model));
+  plan.take<Pose>(symmetry.near_turns.size());
+  plan.take<Axis>(symmetry.near_axes.size());
 }
 
 SymmetryTransforms::SymmetryTransforms(const ObjectModel& model, Arena& arena)
     : exact_(arena.take<Pose>(model.symmetry().exact_turns.size())),
-      near_(arena.take<Pose>(near_max(model))) {
+      near_(arena.take<Pose>(near_max(model))),
+      untold_(arena.take<Pose>(model.symmetry().near_turns.size())),
+      untold_axes_(arena.take<Axis>(model.symmetry().near_axes.size())) {
   const PartSymmetry& symmetry = model.symmetry();
   for (std::size_t i = 0; i < exact_.size(); ++i) {
     exact_[i] = move_of(symmetry.exact_turns[i]);
@@ -43,10 +48,17 @@ SymmetryTransforms::SymmetryTransforms(const ObjectModel& model, Arena& arena)
   axis_count_ = static_cast<int>(std::min<std::size_t>(symmetry.exact_axes.size(), 2));
   if (axis_count_ > 0) {
     const SymmetryAxis& a = symmetry.exact_axes.front();
-    axis_ = vector_of(a.axis);
-    point_mm_ = vector_of(a.point_mm);
-    reach_mm_ += 2 * point_mm_.norm();
+    axis_ = {vector_of(a.axis), vector_of(a.point_mm)};
+    reach_mm_ += 2 * axis_.point_mm.norm();
   }
+  std::size_t turns = 0, axes = 0;
+  for (const SymmetryTurn& t : symmetry.near_turns)
+    if (t.kind == SymmetryKind::kIndistinguishable) untold_[turns++] = move_of(t);
+  for (const SymmetryAxis& a : symmetry.near_axes)
+    if (a.kind == SymmetryKind::kIndistinguishable)
+      untold_axes_[axes++] = {vector_of(a.axis), vector_of(a.point_mm)};
+  untold_ = untold_.first(turns);
+  untold_axes_ = untold_axes_.first(axes);
   std::size_t count = 0;
   const auto add = [&](const Pose& move) {
     const double limit_mm = kSameShare * model.info().diameter_mm;
@@ -70,15 +82,31 @@ bool SymmetryTransforms::same(const Pose& a, const Pose& b, double position_mm,
   if ((a.t_mm - b.t_mm).squaredNorm() >= reach * reach) return false;
   if (axis_count_ > 1) return (a.t_mm - b.t_mm).squaredNorm() < position_mm * position_mm;
   if (axis_count_ == 1) {
-    if (same_about_axis(a, b, position_mm, rotation_rad)) return true;
+    if (axis_.brings_together(a, b, position_mm, rotation_rad)) return true;
     return std::any_of(exact_.begin(), exact_.end(), [&](const Pose& move) {
-      return same_about_axis(a * move, b, position_mm, rotation_rad);
+      return axis_.brings_together(a * move, b, position_mm, rotation_rad);
     });
   }
   if (within(a, b, position_mm, rotation_rad)) return true;
   return std::any_of(exact_.begin(), exact_.end(), [&](const Pose& move) {
     return within(a * move, b, position_mm, rotation_rad);
   });
+}
+
+bool SymmetryTransforms::looks_same(const Pose& a, const Pose& b, double position_mm,
+                                    double rotation_rad) const {
+  const auto by_any_axis = [&](const Pose& from) {
+    return std::any_of(untold_axes_.begin(), untold_axes_.end(), [&](const Axis& axis) {
+      return axis.brings_together(from, b, position_mm, rotation_rad);
+    });
+  };
+  const auto from = [&](const Pose& pose) {
+    return same(pose, b, position_mm, rotation_rad) || by_any_axis(pose) ||
+           std::any_of(exact_.begin(), exact_.end(),
+                       [&](const Pose& move) { return by_any_axis(pose * move); });
+  };
+  return from(a) || std::any_of(untold_.begin(), untold_.end(),
+                                [&](const Pose& move) { return from(a * move); });
 }
 
 Pose SymmetryTransforms::canonical(const ObjectModel& model, const simd::PoseKernels& kernels,
@@ -113,31 +141,32 @@ Pose SymmetryTransforms::canonical(const ObjectModel& model, const simd::PoseKer
 Pose SymmetryTransforms::about_axis(const ObjectModel& model, const Pose& T,
                                     double& nearness) const {
   const Vec3 seen = seen_along(T);
-  const double along = std::clamp(axis_.dot(seen), -1.0, 1.0);
+  const double along = std::clamp(axis_.direction.dot(seen), -1.0, 1.0);
   const double across = std::sqrt(1 - along * along);
   Vec3 best = Vec3::Zero();
   nearness = -2;
   for (const Viewpoint& v : model.depth(model.depth_count() - 1).viewpoints) {
     const Vec3 d = viewing_direction(v);
-    const double d_along = std::clamp(axis_.dot(d), -1.0, 1.0);
+    const double d_along = std::clamp(axis_.direction.dot(d), -1.0, 1.0);
     const double cosine = along * d_along + across * std::sqrt(1 - d_along * d_along);
     if (cosine <= nearness) continue;
     nearness = cosine;
     best = d;
   }
-  const Vec3 from = best - axis_.dot(best) * axis_, to = seen - along * axis_;
+  const Vec3& axis = axis_.direction;
+  const Vec3 from = best - axis.dot(best) * axis, to = seen - along * axis;
   if (from.norm() < 1e-6 || to.norm() < 1e-6) return T;
-  const double angle = std::atan2(axis_.dot(from.cross(to)), from.dot(to));
-  const Mat3 R = rotation_from_vector(axis_ * angle);
-  return T * Pose{R, point_mm_ - R * point_mm_};
+  const double angle = std::atan2(axis.dot(from.cross(to)), from.dot(to));
+  const Mat3 R = rotation_from_vector(axis * angle);
+  return T * Pose{R, axis_.point_mm - R * axis_.point_mm};
 }
 
-bool SymmetryTransforms::same_about_axis(const Pose& a, const Pose& b, double position_mm,
-                                         double rotation_rad) const {
+bool SymmetryTransforms::Axis::brings_together(const Pose& a, const Pose& b, double position_mm,
+                                               double rotation_rad) const {
   // Without the turn that brings them nearest, what is left is how the axes stand to each other,
   // and where a point of them is.
-  if ((a * point_mm_ - b * point_mm_).squaredNorm() >= position_mm * position_mm) return false;
-  return (a.R * axis_).dot(b.R * axis_) > std::cos(rotation_rad);
+  if ((a * point_mm - b * point_mm).squaredNorm() >= position_mm * position_mm) return false;
+  return (a.R * direction).dot(b.R * direction) > std::cos(rotation_rad);
 }
 
 }  // namespace binpick

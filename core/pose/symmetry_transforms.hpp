@@ -22,6 +22,9 @@ class SymmetryTransforms {
   // Whether two poses differ by less than both limits, for the best of the part's exact symmetries.
   bool same(const Pose& a, const Pose& b, double position_mm, double rotation_rad) const;
 
+  // The same, up to what training found detection unable to tell too.
+  bool looks_same(const Pose& a, const Pose& b, double position_mm, double rotation_rad) const;
+
   // Of the poses that look the same, the one that shows the part as one of the model's viewpoints
   // does: a symmetric part has viewpoints on a part of the sphere only, and what is stored for them
   // holds for this pose.
@@ -38,13 +41,20 @@ class SymmetryTransforms {
 
  private:
   Pose about_axis(const ObjectModel& model, const Pose& T_cam_centre, double& nearness) const;
-  bool same_about_axis(const Pose& a, const Pose& b, double position_mm, double rotation_rad) const;
+
+  struct Axis {
+    Vec3 direction = Vec3::Zero(), point_mm = Vec3::Zero();
+    bool brings_together(const Pose& a, const Pose& b, double position_mm,
+                         double rotation_rad) const;
+  };
 
   std::span<Pose> exact_;  // without the identity
   std::span<Pose> near_;
   std::size_t rotation_count_ = 0;
   int axis_count_ = 0;  // 0, 1; 2: a ball
-  Vec3 axis_ = Vec3::Zero(), point_mm_ = Vec3::Zero();
+  Axis axis_;
+  std::span<Pose> untold_;       // indistinguishable rotations
+  std::span<Axis> untold_axes_;  // and those by any angle
   double reach_mm_ = 0;
 };
 

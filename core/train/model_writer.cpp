@@ -55,6 +55,23 @@ void seal(ModelHeader& header, std::vector<std::uint8_t>& bytes) {
   std::memcpy(bytes.data(), &header, sizeof(header));
 }
 
+// The near rows of a table stand behind the exact ones.
+template <class Row>
+void mark_near(const ModelTable& table, const std::vector<bool>& indistinguishable,
+               std::vector<std::uint8_t>& model) {
+  BINPICK_ASSERT(indistinguishable.size() <= table.count);
+  std::uint8_t* at =
+      model.data() + table.offset_bytes + (table.count - indistinguishable.size()) * sizeof(Row);
+  for (const bool is : indistinguishable) {
+    Row row;
+    std::memcpy(&row, at, sizeof(row));
+    BINPICK_ASSERT(row.kind != SymmetryKind::kExact);
+    row.kind = is ? SymmetryKind::kIndistinguishable : SymmetryKind::kNear;
+    std::memcpy(at, &row, sizeof(row));
+    at += sizeof(row);
+  }
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tree,
@@ -124,6 +141,14 @@ std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tre
   header.file_bytes = bytes.size();
   seal(header, bytes);
   return bytes;
+}
+
+void set_indistinguishable(std::vector<std::uint8_t>& model, const NearSymmetries& which) {
+  ModelHeader header;
+  std::memcpy(static_cast<void*>(&header), model.data(), sizeof(header));
+  mark_near<SymmetryTurn>(header.symmetry_turns, which.turns, model);
+  mark_near<SymmetryAxis>(header.symmetry_axes, which.axes, model);
+  seal(header, model);
 }
 
 void set_trials(std::vector<std::uint8_t>& model, const ModelTrials& trials) {

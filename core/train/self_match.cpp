@@ -17,9 +17,6 @@ constexpr int kFitPoints = 2000;    // for shares
 constexpr int kRoughPoints = 200;   // for the search
 constexpr int kRefinePoints = 400;  // for refinement
 constexpr int kQuickPoints = 200;
-// Surfaces that coincide face alike within 40 degrees: of a thread and a plain shaft, only the
-// shape that a sensor shows counts.
-constexpr double kAlikeCos = 0.766;
 constexpr int kFieldCells = 44;  // along the diameter
 constexpr double kFieldReachShare = 0.08;
 // Facing directions that differ by less belong to one face.
@@ -282,29 +279,31 @@ Pose SelfMatcher::refined(const Pose& move) const {
   return T;
 }
 
-double SelfMatcher::differing(const Pose& move, std::size_t count) const {
+double SelfMatcher::differing(const Pose& move, std::size_t count, double alike_cos) const {
   double differs = 0, total = 0;
   for (const ShellPoint& p : std::span(points_).first(std::min(count, points_.size()))) {
     total += p.weight;
     const MeshTree::Nearest near = tree_.nearest(move * p.position_mm, similar_mm_);
     const bool coincides = near.triangle >= 0 &&
-                           std::abs(tree_.normal(near.triangle).dot(move.R * p.normal)) > kAlikeCos;
+                           std::abs(tree_.normal(near.triangle).dot(move.R * p.normal)) > alike_cos;
     if (!coincides) differs += p.weight;
   }
   return total > 0 ? differs / total : 1;
 }
 
-double SelfMatcher::quick_differing_share(const Pose& move) const {
-  return differing(move, kQuickPoints);
+double SelfMatcher::quick_differing_share(const Pose& move, double alike_cos) const {
+  return differing(move, kQuickPoints, alike_cos);
 }
 
-double SelfMatcher::differing_share(const Pose& move) const {
-  return (differing(move, kFitPoints) + differing(move.inverse(), kFitPoints)) / 2;
+double SelfMatcher::differing_share(const Pose& move, double alike_cos) const {
+  return (differing(move, kFitPoints, alike_cos) +
+          differing(move.inverse(), kFitPoints, alike_cos)) /
+         2;
 }
 
-SelfFit SelfMatcher::fit(const Pose& move) const {
+SelfFit SelfMatcher::fit(const Pose& move, double alike_cos) const {
   SelfFit fit;
-  fit.differing_share = differing_share(move);
+  fit.differing_share = differing_share(move, alike_cos);
   for (const Pose& T : {move, move.inverse()}) {
     for (const ShellPoint& p :
          std::span(points_).first(std::min<std::size_t>(kFitPoints, points_.size()))) {

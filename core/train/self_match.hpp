@@ -15,9 +15,14 @@ struct SelfFit {
   double deviation_mm = 0;     // the largest distance from a moved point to the surface
 };
 
+// Surfaces that coincide face alike within 40 degrees: of a thread and a plain shaft, only the
+// shape that a sensor shows counts. About an axis within 63 degrees: of a thread that turns, one
+// flank comes to lie where the other was, 60 degrees apart.
+inline constexpr double kAlikeCos = 0.766, kAlikeAboutAxisCos = 0.45;
+
 class SelfMatcher {
  public:
-  // `similar_mm`: surfaces nearer than this, and facing alike, coincide.
+  // `similar_mm`: surfaces nearer than this, and facing alike (`alike_cos`), coincide.
   SelfMatcher(const Mesh& mesh, double diameter_mm, double similar_mm);
 
   // Where to look: the best moves of a search over all rotations, best first, none near another
@@ -25,10 +30,10 @@ class SelfMatcher {
   std::vector<Pose> candidates() const;
   // The nearest best fit: robust point-to-plane, what does not coincide does not pull.
   Pose refined(const Pose& move) const;
-  SelfFit fit(const Pose& move) const;
-  double differing_share(const Pose& move) const;
+  SelfFit fit(const Pose& move, double alike_cos = kAlikeCos) const;
+  double differing_share(const Pose& move, double alike_cos = kAlikeCos) const;
   // The same of a few points, one way.
-  double quick_differing_share(const Pose& move) const;
+  double quick_differing_share(const Pose& move, double alike_cos = kAlikeCos) const;
   // Whether every visible point comes to lie within `tolerance_mm` of the surface, both ways.
   bool exact(const Pose& move, double tolerance_mm) const;
 
@@ -43,7 +48,7 @@ class SelfMatcher {
   void find_frame();
   double rough_score(const Mat3& R, const Vec3& t_mm) const;
   Pose best_shift(const Mat3& R, double& score) const;
-  double differing(const Pose& move, std::size_t count) const;
+  double differing(const Pose& move, std::size_t count, double alike_cos) const;
 
   MeshTree tree_;
   std::vector<ShellPoint> points_;

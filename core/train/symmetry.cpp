@@ -125,8 +125,9 @@ class Finder {
   double quick_worst_about(const Screw& line) const {
     double worst = 0;
     for (const double angle : kOddAngles) {
-      worst = std::max(
-          worst, matcher_.quick_differing_share(pose_of({line.axis, line.point_mm, angle, 0})));
+      worst =
+          std::max(worst, matcher_.quick_differing_share(
+                              pose_of({line.axis, line.point_mm, angle, 0}), kAlikeAboutAxisCos));
       if (worst > kNearDifferingMax + 0.1) break;
     }
     return worst;
@@ -161,7 +162,8 @@ class Finder {
       if (known || near_axes_.size() == 1) continue;
       SelfFit worst{0, 0};
       for (const double angle : kOddAngles) {
-        const SelfFit f = matcher_.fit(pose_of({n.line.axis, n.line.point_mm, angle, 0}));
+        const SelfFit f =
+            matcher_.fit(pose_of({n.line.axis, n.line.point_mm, angle, 0}), kAlikeAboutAxisCos);
         worst.differing_share = std::max(worst.differing_share, f.differing_share);
         worst.deviation_mm = std::max(worst.deviation_mm, f.deviation_mm);
       }

@@ -132,5 +132,36 @@ TEST(SymmetryTransforms, NearAnglesAreListedOnceForAllThatLookTheSame) {
   EXPECT_EQ(1u, flipped.symmetries.near_rotations().size());
 }
 
+SymmetryTurn near_half_turn(SymmetryKind kind) {
+  return turn_row(Vec3::UnitX(), 180, 0, kind);
+}
+
+TEST(LooksSame, NearTurnsCountWhereDetectionCannotTellThem) {
+  const Part told({near_half_turn(SymmetryKind::kNear)}, {}),
+      untold({near_half_turn(SymmetryKind::kIndistinguishable)}, {});
+  const Pose flipped = kPose * turned(Vec3::UnitX(), 180);
+  EXPECT_TRUE(untold.symmetries.looks_same(kPose, flipped, kMm, kRad));
+  EXPECT_FALSE(untold.symmetries.same(kPose, flipped, kMm, kRad));
+  EXPECT_FALSE(told.symmetries.looks_same(kPose, flipped, kMm, kRad));
+  const Pose half = kPose * turned(Vec3::UnitX(), 90);
+  EXPECT_FALSE(untold.symmetries.looks_same(kPose, half, kMm, kRad));
+  EXPECT_TRUE(untold.symmetries.looks_same(kPose, kPose, kMm, kRad));
+  // It is an alternative of a pose either way.
+  EXPECT_EQ(untold.symmetries.near_rotations().size(), 1u);
+}
+
+TEST(LooksSame, AnyAngleAboutAnIndistinguishableAxisAndTurnedOver) {
+  const Part part({near_half_turn(SymmetryKind::kIndistinguishable)},
+                  {about_z(0, SymmetryKind::kIndistinguishable)});
+  for (const double angle_deg : {3.0, 47.0, 171.0}) {
+    const Pose rolled = kPose * turned(Vec3::UnitZ(), angle_deg);
+    EXPECT_TRUE(part.symmetries.looks_same(kPose, rolled, kMm, kRad)) << angle_deg;
+    EXPECT_TRUE(part.symmetries.looks_same(kPose, rolled * turned(Vec3::UnitX(), 180), kMm, kRad))
+        << angle_deg;
+    EXPECT_FALSE(part.symmetries.looks_same(kPose, rolled * turned(Vec3::UnitX(), 20), kMm, kRad))
+        << angle_deg;
+  }
+}
+
 }  // namespace
 }  // namespace binpick

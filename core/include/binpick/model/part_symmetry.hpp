@@ -11,8 +11,9 @@
 namespace binpick {
 
 // Exact: no point of the visible surface moves off it by more than the CAD file and a sensor are
-// precise to. Near: most of the visible surface coincides, but something tells.
-enum class SymmetryKind : std::int32_t { kExact = 0, kNear = 1 };
+// precise to. Near: most of the visible surface coincides, but something tells. Indistinguishable:
+// near, and in the simulated piles of the training detection takes the one for the other.
+enum class SymmetryKind : std::int32_t { kExact = 0, kNear = 1, kIndistinguishable = 2 };
 
 struct SymmetryTurn {
   SymmetryKind kind;
@@ -39,6 +40,7 @@ inline constexpr std::size_t kSymmetryAxesMax = 4;
 
 // The exact symmetries are the identity and the exact turns, each of them followed by any turn
 // about an exact axis; three exact axes mean a ball.
+// Of the near ones any may be indistinguishable.
 struct PartSymmetry {
   std::span<const SymmetryTurn> exact_turns, near_turns;
   std::span<const SymmetryAxis> exact_axes, near_axes;

@@ -30,11 +30,23 @@ inline constexpr int kScoreTermCount = 12;
 const char* score_term_name(ScoreTerm term);  // snake_case, as written to CSV
 using ScoreTerms = std::array<double, kScoreTermCount>;
 
+// Another pose that the part may have where its appearance does not tell.
+struct PoseAlternative {
+  Pose T_cam_obj;
+  double probability = 0;  // given that it is this pose or one of its alternatives
+};
+inline constexpr std::size_t kPoseAlternativesMax = 3;
+
 // One accepted pose.
 struct Detection {
   int model_index = 0;           // index into the models the detector was made with
   Pose T_cam_obj;                // object to camera, mm
-  double score = 0;              // probability that the pose is right, in [0, 1]
+  double score = 0;              // probability that the pose is right, in [0, 1], up to moves that
+                                 // the part's appearance does not tell (SymmetryKind)
+  bool symmetric = false;        // the part looks the same in other poses
+  double pose_probability = 1;   // of this one among the poses that detection cannot tell apart
+  int alternative_count = 0;     // the others of them, the most probable first
+  std::array<PoseAlternative, kPoseAlternativesMax> alternatives{};
   double visible_fraction = 0;   // share of the model's visible surface that the scene does not
                                  // hide; 1 without depth, which alone could tell
   double depth_support = 0;      // of the visible surface with a measurement: share that agrees
@@ -45,6 +57,12 @@ struct Detection {
   ScoreTerms score_terms{};
   PoseUncertainty uncertainty;
 };
+
+// A pose that is less probable than this among its alternatives is ambiguous.
+inline constexpr double kPoseAmbiguousBelow = 0.8;
+inline bool pose_ambiguous(const Detection& d) {
+  return d.pose_probability < kPoseAmbiguousBelow;
+}
 
 // Measured pixels (without depth: pixels) that a better detection explains already: beyond this
 // share it is the same part again.

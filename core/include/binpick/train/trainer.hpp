@@ -52,7 +52,13 @@ using TrainProgress = std::function<void(double)>;
 std::vector<std::uint8_t> train_model(const ImportedMesh& part, const TrainOptions& options,
                                       WorkerPool& pool, const TrainProgress& progress);
 
-// Puts into the bytes of a model what trying it on simulated piles told.
+// Of each near symmetry of a model, in its order: whether detection cannot tell it.
+struct NearSymmetries {
+  std::vector<bool> turns, axes;
+};
+
+// Both put into the bytes of a model what trying it on simulated piles told.
+void set_indistinguishable(std::vector<std::uint8_t>& model, const NearSymmetries& which);
 void set_trials(std::vector<std::uint8_t>& model, const ModelTrials& trials);
 
 }  // namespace binpick::train
