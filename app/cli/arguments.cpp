@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <span>
 #include <vector>
 
 namespace binpick::app {
@@ -32,6 +33,13 @@ std::vector<Number> split_numbers(const std::string& text, char separator) {
     if (*stop != separator) return {};
     p = stop + 1;
   }
+}
+
+std::string list_of(std::span<const char* const> names) {
+  std::string list = names[0];
+  for (std::size_t i = 1; i < names.size(); ++i)
+    list += (i + 1 < names.size() ? ", " : " or ") + std::string(names[i]);
+  return list;
 }
 
 }  // namespace
@@ -76,11 +84,19 @@ Modality parse_modality(const std::string& option, const std::string& text) {
   refuse(option, text, "expected " + modality_list());
 }
 
+NearSymmetry parse_near_symmetry(const std::string& option, const std::string& text) {
+  for (int i = 0; i < kNearSymmetryCount; ++i) {
+    if (text == kNearSymmetryNames[i]) return static_cast<NearSymmetry>(i);
+  }
+  refuse(option, text, "expected " + near_symmetry_list());
+}
+
 std::string modality_list() {
-  std::string list = kModalityNames[0];
-  for (int i = 1; i < kModalityCount; ++i)
-    list += (i + 1 < kModalityCount ? ", " : " or ") + std::string(kModalityNames[i]);
-  return list;
+  return list_of(kModalityNames);
+}
+
+std::string near_symmetry_list() {
+  return list_of(kNearSymmetryNames);
 }
 
 train::LengthUnit parse_unit(const std::string& option, const std::string& text) {

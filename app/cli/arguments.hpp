@@ -7,6 +7,7 @@
 
 #include "binpick/drivers/bop_dataset.hpp"
 #include "binpick/frame/modality.hpp"
+#include "binpick/model/part_symmetry.hpp"
 #include "binpick/simd/isa.hpp"
 #include "binpick/train/mesh.hpp"
 
@@ -26,8 +27,10 @@ Isa parse_isa(const std::string& option, const std::string& text);
 
 // One of kModalityNames.
 Modality parse_modality(const std::string& option, const std::string& text);
+NearSymmetry parse_near_symmetry(const std::string& option, const std::string& text);
 // "automatic, depth_and_intensity, depth or intensity".
 std::string modality_list();
+std::string near_symmetry_list();
 
 // "mm", "m", "inch"; "" lets the import guess.
 train::LengthUnit parse_unit(const std::string& option, const std::string& text);

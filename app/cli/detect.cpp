@@ -23,6 +23,7 @@ struct DetectArguments {
   std::vector<std::string> models, meshes, bop_frame;
   std::string depth, intensity, camera, split = "test", roi;
   std::string layout = "rearranged", isa = "best", modality = kModalityNames[0], json, overlay;
+  std::string near_symmetry = kNearSymmetryNames[0];
   int threads = default_thread_count();
   int max_results = DetectRequest{}.max_results;
   double min_score = DetectRequest{}.min_score;
@@ -80,6 +81,7 @@ int detect_parts(const DetectArguments& arguments) {
   run.params.layout = arguments.layout == "plain" ? MapLayout::kPlain : MapLayout::kRearranged;
   run.params.isa = parse_isa("--isa", arguments.isa);
   run.request.modality = parse_modality("--modality", arguments.modality);
+  run.request.near_symmetry = parse_near_symmetry("--near-symmetry", arguments.near_symmetry);
   run.request.max_results = arguments.max_results;
   run.request.min_score = arguments.min_score;
   run.threads = arguments.threads;
@@ -156,6 +158,11 @@ void add_detect_command(CLI::App& app, int& exit_status) {
   command
       .add_option("--modality", arguments->modality,
                   "Images to look at: " + modality_list() + "; automatic: what the frame has")
+      ->capture_default_str();
+  command
+      .add_option("--near-symmetry", arguments->near_symmetry,
+                  "Poses that differ by a near symmetry are one: " + near_symmetry_list() +
+                      "; auto: where detection cannot tell them, equivalent: always")
       ->capture_default_str();
   command.add_option("--max-results", arguments->max_results, "Parts to report at most")
       ->check(number_between(1, 10000))

@@ -32,12 +32,14 @@ ordered_json frame_json(const DetectRun& run) {
 }
 
 ordered_json settings_json(const DetectRun& run) {
-  ordered_json json = {{"layout", layout_name(run.params.layout)},
-                       {"isa", isa_name(run.params.isa)},
-                       {"threads", run.threads},
-                       {"modality", kModalityNames[static_cast<int>(run.request.modality)]},
-                       {"max_results", run.request.max_results},
-                       {"min_score", run.request.min_score}};
+  ordered_json json = {
+      {"layout", layout_name(run.params.layout)},
+      {"isa", isa_name(run.params.isa)},
+      {"threads", run.threads},
+      {"modality", kModalityNames[static_cast<int>(run.request.modality)]},
+      {"near_symmetry", kNearSymmetryNames[static_cast<int>(run.request.near_symmetry)]},
+      {"max_results", run.request.max_results},
+      {"min_score", run.request.min_score}};
   for (const ModelFile& file : run.files) {
     json["models"].push_back({{"name", file.name()}, {"file", file.path()}});
   }

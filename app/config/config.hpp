@@ -120,6 +120,7 @@ struct RecipeConfig {
   std::string name;                 // for people
   std::vector<std::string> models;  // files, relative to the recipe's folder; all are looked for
   Modality modality = Modality::kAutomatic;
+  NearSymmetry near_symmetry = NearSymmetry::kAuto;
   double min_score = DetectRequest{}.min_score;
   int picks_max = 16;
   std::array<double, 4> roi_px{};  // x, y, width, height; zeros: the frame's own

@@ -132,6 +132,7 @@ void visit_keys(RecipeConfig& recipe, KeyVisitor& v) {
   v.text({"name", kLive}, recipe.name);
   v.texts({"models"}, recipe.models);
   choose(v, {"modality", kLive}, recipe.modality, kModalityNames);
+  choose(v, {"near_symmetry", kLive}, recipe.near_symmetry, kNearSymmetryNames);
   v.number({"min_score", kLive}, recipe.min_score, {0, 1});
   v.integer({"picks_max", kLive}, recipe.picks_max, {1, 256});
   v.numbers({"roi_px", Reload::kIfItFits}, recipe.roi_px, {0, 8192});

@@ -245,6 +245,7 @@ StationState Cycle::compute() {
   DetectRequest request;
   request.model_indices = recipe_->models;
   request.modality = recipe_->modality;
+  request.near_symmetry = recipe_->near_symmetry;
   request.min_score = recipe_->min_score;
   request.max_results = static_cast<int>(picks_.size());
   request.deadline_ns = deadline_ns_;  // one clock: the detector was made with it

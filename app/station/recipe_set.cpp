@@ -82,6 +82,7 @@ void RecipeSet::take_live_values(std::span<const RecipeConfig> recipes) {
     if (recipes[i].number != recipes_[i].number) continue;
     recipes_[i].roi = roi_of(recipes[i].roi_px);
     recipes_[i].modality = recipes[i].modality;
+    recipes_[i].near_symmetry = recipes[i].near_symmetry;
     recipes_[i].min_score = recipes[i].min_score;
     recipes_[i].picks_max = recipes[i].picks_max;
     recipes_[i].T_obj_pick = pose_of(recipes[i].T_obj_pick);

@@ -22,6 +22,7 @@ struct Recipe {
   std::vector<int> models;  // indices into RecipeSet::models()
   Roi roi;                  // width 0: the frame's own
   Modality modality = Modality::kAutomatic;
+  NearSymmetry near_symmetry = NearSymmetry::kAuto;
   double min_score = 0;
   int picks_max = 0;
   Pose T_obj_pick;

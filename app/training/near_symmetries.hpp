@@ -1,5 +1,5 @@
-// Which near symmetries of a part detection cannot tell: counted in simulated piles, so that sensor,
-// distance and noise decide, not the share of the surface that differs.
+// Which near symmetries of a part detection cannot tell: counted in simulated piles, so that
+// sensor, distance and noise decide, not the share of the surface that differs.
 #pragma once
 
 #include "binpick/train/trainer.hpp"

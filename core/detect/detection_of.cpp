@@ -1,7 +1,5 @@
 #include "detect/detection_of.hpp"
 
-#include <algorithm>
-
 #include "pose/uncertainty.hpp"
 
 namespace binpick {
@@ -9,15 +7,6 @@ namespace {
 
 Pose in_object_frame(const ObjectModel& model, const Pose& T_cam_centre) {
   return {T_cam_centre.R, T_cam_centre.t_mm - T_cam_centre.R * model.centre_mm()};
-}
-
-bool looks_same_elsewhere(const PartSymmetry& symmetry) {
-  const auto indistinguishable = [](const auto& near) {
-    return near.kind == SymmetryKind::kIndistinguishable;
-  };
-  return !symmetry.exact_turns.empty() || !symmetry.exact_axes.empty() ||
-         std::ranges::any_of(symmetry.near_turns, indistinguishable) ||
-         std::ranges::any_of(symmetry.near_axes, indistinguishable);
 }
 
 void add_alternatives_of(const Hypothesis& h, const ObjectModel& model, Detection& d) {
@@ -32,16 +21,16 @@ void add_alternatives_of(const Hypothesis& h, const ObjectModel& model, Detectio
 
 }  // namespace
 
-Detection detection_of(std::span<const ObjectModel> models, const Scene& scene,
-                       const Hypothesis& h) {
-  const ObjectModel& model = models[h.candidate.model];
+Detection detection_of(const PoseContext& context, const Hypothesis& h) {
+  const ObjectModel& model = context.models[h.candidate.model];
+  const Scene& scene = context.scene;
   Detection d;
   d.model_index = h.candidate.model;
   d.T_cam_obj = in_object_frame(model, h.T_cam_centre);
   d.score_terms = terms_of(h);
   d.uncertainty = pose_uncertainty(model, scene, h.T_cam_centre);
   d.score = h.score;
-  d.symmetric = looks_same_elsewhere(model.symmetry());
+  d.symmetric = context.symmetries[h.candidate.model].has_any(context.near_symmetry);
   add_alternatives_of(h, model, d);
   d.visible_fraction = h.evidence.visible_fraction();
   d.depth_support = h.evidence.depth_support();

@@ -236,14 +236,14 @@ std::size_t Detector::Impl::estimate_poses(std::size_t count, const Deadline& de
 void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, std::size_t count,
                              DetectionReport& report) {
   const Scene scene(pyramid, kernels.pose);
-  const PoseContext context{models, symmetries, scene, pool, {}};
+  const PoseContext context{models, symmetries, scene, pool, {}, request.near_symmetry};
   const std::span<Hypothesis> living = hypotheses.first(count);
   for (Hypothesis& h : living)
     h.alive = h.alive && centre_inside_roi(frame, pyramid.region(), h.T_cam_centre, scene);
   std::size_t accepted = 0;
   timed(Stage::kSelect, report, [&] {
     for (const Hypothesis* h : selector.explain(context, living, request.min_score, report))
-      detections[accepted++] = detection_of(models, scene, *h);
+      detections[accepted++] = detection_of(context, *h);
   });
   std::sort(detections.begin(), detections.begin() + static_cast<std::ptrdiff_t>(accepted),
             better_detection);

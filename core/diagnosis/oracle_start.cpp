@@ -49,7 +49,7 @@ class Starter {
       const double share = share_covered_by(h, known);
       if (share <= finding.owner_share) continue;
       finding.has_owner = true;
-      finding.owner = detection_of(cycle_.models, scene_, h);
+      finding.owner = detection_of(context(), h);
       finding.owner_rank = h.rank;
       finding.owner_share = share;
     }
@@ -64,7 +64,9 @@ class Starter {
   }
 
  private:
-  PoseContext context() const { return {cycle_.models, cycle_.symmetries, scene_, serial_, {}}; }
+  PoseContext context() const {
+    return {cycle_.models, cycle_.symmetries, scene_, serial_, {}, cycle_.request.near_symmetry};
+  }
 
   double error_of(const Hypothesis& h) const {
     return reference_error(model_, reference_, h.T_cam_centre, limits_.position_mm,
@@ -104,7 +106,7 @@ class Starter {
     out.error = error_of(h);
     out.rank = h.rank;
     add_conflicts(h);
-    out.detection = detection_of(cycle_.models, scene_, h);
+    out.detection = detection_of(context(), h);
     if (const auto objection = objection_to(h, cycle_.request.min_score)) {
       out.objected = true;
       out.objection = *objection;

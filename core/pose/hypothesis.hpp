@@ -19,7 +19,7 @@ struct Hypothesis;
 
 // Other poses of a part that look the same as one, which detection cannot tell from it.
 struct PoseAmbiguity {
-  double odds = 0;  // of all of them, by the evidence
+  double odds = 0;                                             // of all of them, by the evidence
   std::array<const Hypothesis*, kPoseAlternativesMax> best{};  // the most probable first
 };
 
@@ -54,6 +54,7 @@ struct PoseContext {
   const Scene& scene;
   WorkerPool& pool;
   Deadline deadline;  // of the step: hypotheses that it does not reach are dropped
+  NearSymmetry near_symmetry = NearSymmetry::kAuto;
 };
 
 ScoreTerms terms_of(const Hypothesis& h);

@@ -249,7 +249,7 @@ void add_conflict(const PoseContext& context, const Hypothesis& other, Hypothesi
     const Pose &a = owner.T_cam_centre, &b = other.T_cam_centre;
     const double near_mm = kSamePickShare * context.models[index].info().diameter_mm;
     if (symmetries.same(a, b, near_mm, kSamePickAngle)) return;
-    if (symmetries.looks_same(a, b, near_mm, kSamePickAngle)) {
+    if (symmetries.looks_same(a, b, near_mm, kSamePickAngle, context.near_symmetry)) {
       add_alternative(other, odds, owner.ambiguity);
       return;
     }

@@ -25,6 +25,20 @@ bool within(const Pose& a, const Pose& b, double position_mm, double rotation_ra
          rotation_angle_between(a.R, b.R) < rotation_rad;
 }
 
+// Returns how many they are.
+template <class Row, class Of, class Out>
+std::size_t indistinguishable_first(std::span<const Row> rows, Of&& of, std::span<Out> out) {
+  std::size_t count = 0;
+  const auto add_if = [&](bool wanted) {
+    for (const Row& row : rows)
+      if ((row.kind == SymmetryKind::kIndistinguishable) == wanted) out[count++] = of(row);
+  };
+  add_if(true);
+  const std::size_t first = count;
+  add_if(false);
+  return first;
+}
+
 }  // namespace
 
 void SymmetryTransforms::plan(const ObjectModel& model, ArenaPlan& plan) {
@@ -38,8 +52,8 @@ void SymmetryTransforms::plan(const ObjectModel& model, ArenaPlan& plan) {
 SymmetryTransforms::SymmetryTransforms(const ObjectModel& model, Arena& arena)
     : exact_(arena.take<Pose>(model.symmetry().exact_turns.size())),
       near_(arena.take<Pose>(near_max(model))),
-      untold_(arena.take<Pose>(model.symmetry().near_turns.size())),
-      untold_axes_(arena.take<Axis>(model.symmetry().near_axes.size())) {
+      all_near_{arena.take<Pose>(model.symmetry().near_turns.size()),
+                arena.take<Axis>(model.symmetry().near_axes.size())} {
   const PartSymmetry& symmetry = model.symmetry();
   for (std::size_t i = 0; i < exact_.size(); ++i) {
     exact_[i] = move_of(symmetry.exact_turns[i]);
@@ -51,14 +65,14 @@ SymmetryTransforms::SymmetryTransforms(const ObjectModel& model, Arena& arena)
     axis_ = {vector_of(a.axis), vector_of(a.point_mm)};
     reach_mm_ += 2 * axis_.point_mm.norm();
   }
-  std::size_t turns = 0, axes = 0;
-  for (const SymmetryTurn& t : symmetry.near_turns)
-    if (t.kind == SymmetryKind::kIndistinguishable) untold_[turns++] = move_of(t);
-  for (const SymmetryAxis& a : symmetry.near_axes)
-    if (a.kind == SymmetryKind::kIndistinguishable)
-      untold_axes_[axes++] = {vector_of(a.axis), vector_of(a.point_mm)};
-  untold_ = untold_.first(turns);
-  untold_axes_ = untold_axes_.first(axes);
+  indistinguishable_rotations_ =
+      indistinguishable_first(symmetry.near_turns, move_of, all_near_.rotations);
+  indistinguishable_axes_ = indistinguishable_first(
+      symmetry.near_axes,
+      [](const SymmetryAxis& a) {
+        return Axis{vector_of(a.axis), vector_of(a.point_mm)};
+      },
+      all_near_.axes);
   std::size_t count = 0;
   const auto add = [&](const Pose& move) {
     const double limit_mm = kSameShare * model.info().diameter_mm;
@@ -93,20 +107,32 @@ bool SymmetryTransforms::same(const Pose& a, const Pose& b, double position_mm,
   });
 }
 
+SymmetryTransforms::NearMoves SymmetryTransforms::counting_as(NearSymmetry near) const {
+  if (near == NearSymmetry::kEquivalent) return all_near_;
+  if (near == NearSymmetry::kDistinct) return {};
+  return {all_near_.rotations.first(indistinguishable_rotations_),
+          all_near_.axes.first(indistinguishable_axes_)};
+}
+
+bool SymmetryTransforms::has_any(NearSymmetry near) const {
+  const NearMoves moves = counting_as(near);
+  return axis_count_ > 0 || !exact_.empty() || !moves.rotations.empty() || !moves.axes.empty();
+}
+
 bool SymmetryTransforms::looks_same(const Pose& a, const Pose& b, double position_mm,
-                                    double rotation_rad) const {
+                                    double rotation_rad, NearSymmetry near) const {
+  const NearMoves moves = counting_as(near);
   const auto by_any_axis = [&](const Pose& from) {
-    return std::any_of(untold_axes_.begin(), untold_axes_.end(), [&](const Axis& axis) {
+    return std::ranges::any_of(moves.axes, [&](const Axis& axis) {
       return axis.brings_together(from, b, position_mm, rotation_rad);
     });
   };
   const auto from = [&](const Pose& pose) {
     return same(pose, b, position_mm, rotation_rad) || by_any_axis(pose) ||
-           std::any_of(exact_.begin(), exact_.end(),
-                       [&](const Pose& move) { return by_any_axis(pose * move); });
+           std::ranges::any_of(exact_, [&](const Pose& move) { return by_any_axis(pose * move); });
   };
-  return from(a) || std::any_of(untold_.begin(), untold_.end(),
-                                [&](const Pose& move) { return from(a * move); });
+  return from(a) ||
+         std::ranges::any_of(moves.rotations, [&](const Pose& move) { return from(a * move); });
 }
 
 Pose SymmetryTransforms::canonical(const ObjectModel& model, const simd::PoseKernels& kernels,

@@ -22,8 +22,10 @@ class SymmetryTransforms {
   // Whether two poses differ by less than both limits, for the best of the part's exact symmetries.
   bool same(const Pose& a, const Pose& b, double position_mm, double rotation_rad) const;
 
-  // The same, up to what training found detection unable to tell too.
-  bool looks_same(const Pose& a, const Pose& b, double position_mm, double rotation_rad) const;
+  // The same, up to those of the near symmetries that are to count as well.
+  bool looks_same(const Pose& a, const Pose& b, double position_mm, double rotation_rad,
+                  NearSymmetry near) const;
+  bool has_any(NearSymmetry near) const;
 
   // Of the poses that look the same, the one that shows the part as one of the model's viewpoints
   // does: a symmetric part has viewpoints on a part of the sphere only, and what is stored for them
@@ -53,8 +55,14 @@ class SymmetryTransforms {
   std::size_t rotation_count_ = 0;
   int axis_count_ = 0;  // 0, 1; 2: a ball
   Axis axis_;
-  std::span<Pose> untold_;       // indistinguishable rotations
-  std::span<Axis> untold_axes_;  // and those by any angle
+  // As they are in the model, the indistinguishable ones first.
+  struct NearMoves {
+    std::span<Pose> rotations;
+    std::span<Axis> axes;
+  };
+  NearMoves counting_as(NearSymmetry near) const;
+  NearMoves all_near_;
+  std::size_t indistinguishable_rotations_ = 0, indistinguishable_axes_ = 0;
   double reach_mm_ = 0;
 };
 

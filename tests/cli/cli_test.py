@@ -250,6 +250,20 @@ class DetectTest(CliTest):
                 for m in ("automatic", "depth_and_intensity")]
         self.assertEqual(*(json.loads(run.stdout)["detections"] for run in both))
 
+    def test_near_symmetry(self):
+        for chosen in ("auto", "equivalent", "distinct"):
+            with self.subTest(near_symmetry=chosen):
+                run = self.start(*self.detect("--near-symmetry", chosen, "--min-score", "0",
+                                              "--json", "-"))
+                self.assertEqual((run.returncode, run.stderr), (0, ""))
+                found = json.loads(run.stdout)
+                self.assertEqual(found["settings"]["near_symmetry"], chosen)
+                for pose in found["detections"]:
+                    one_of = [pose["pose_probability"]]
+                    one_of += [other["probability"] for other in pose["alternatives"]]
+                    self.assertLessEqual(sum(one_of), 1 + 1e-9)
+                    self.assertEqual(pose["pose_ambiguous"], pose["pose_probability"] < 0.8)
+
     def test_camera(self):
         self.refused(CANNOT_START, ["nocamera.json"], *self.detect("--camera", "nocamera.json"))
         self.file("list.json", "[1, 2, 3]")
@@ -272,7 +286,7 @@ class DetectTest(CliTest):
         for option, value in (("--max-results", "0"), ("--max-results", "x"),
                               ("--min-score", "1.5"), ("--min-score", "-1"), ("--threads", "0"),
                               ("--layout", "round"), ("--isa", "mmx"),
-                              ("--modality", "gray")):
+                              ("--modality", "gray"), ("--near-symmetry", "some")):
             with self.subTest(option=option, value=value):
                 self.refused(USAGE, [option], *self.detect(f"{option}={value}"))
 

@@ -158,7 +158,8 @@ TEST(ConfigFiles, RecipesAreReadFromBesideTheMainFile) {
   f.write("binpick.toml", kTwoRecipes);
   f.write("a.toml", "number = 3\nmodels = ['tee.bpm']\nroi_px = [10, 20, 300, 200]\n");
   f.write("b.toml",
-          "number = 1\nmodels = ['/opt/hub.bpm']\nmin_score = 0.25\nmodality = 'intensity'\n");
+          "number = 1\nmodels = ['/opt/hub.bpm']\nmin_score = 0.25\nmodality = 'intensity'\n"
+          "near_symmetry = 'equivalent'\n");
   const Config c = load_config(f.path("binpick.toml"));
   ASSERT_EQ(2u, c.recipes.size());
   EXPECT_EQ(3, c.recipes[0].number);
@@ -167,16 +168,21 @@ TEST(ConfigFiles, RecipesAreReadFromBesideTheMainFile) {
   EXPECT_EQ(0.25, c.recipes[1].min_score);
   EXPECT_EQ(Modality::kAutomatic, c.recipes[0].modality);
   EXPECT_EQ(Modality::kIntensity, c.recipes[1].modality);
+  EXPECT_EQ(NearSymmetry::kAuto, c.recipes[0].near_symmetry);
+  EXPECT_EQ(NearSymmetry::kEquivalent, c.recipes[1].near_symmetry);
 }
 
 TEST(ConfigFiles, TheFaultsOfAllFilesComeInOneGo) {
   ConfigFolder f;
   f.write("binpick.toml", std::string(kTwoRecipes) + "station.rankin = 'score'\n");
-  f.write("a.toml", "models = []\nmin_score = 2\nmodality = 'gray'\n");
+  f.write("a.toml",
+          "models = []\nmin_score = 2\nmodality = 'gray'\n"
+          "near_symmetry = true\n");
   EXPECT_THAT(f.error(), HasSubstr("binpick.toml:3:9: station.rankin: there is no such key"));
   EXPECT_THAT(f.error(), HasSubstr("a.toml:2:1: min_score: 2 is outside of 0 to 1"));
   EXPECT_THAT(f.error(), HasSubstr("a.toml:3:1: modality: 'gray' is none of automatic, "
                                    "depth_and_intensity, depth, intensity"));
+  EXPECT_THAT(f.error(), HasSubstr("a.toml:4:1: near_symmetry:"));
   EXPECT_THAT(f.error(), HasSubstr("a.toml: number: must be set"));
   EXPECT_THAT(f.error(), HasSubstr("a.toml:1:1: models: must name a file at least"));
   EXPECT_THAT(f.error(), HasSubstr("b.toml: there is no such file"));

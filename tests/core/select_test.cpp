@@ -8,71 +8,12 @@
 #include <random>
 #include <vector>
 
-#include "binpick/geometry/angle.hpp"
-#include "detect/detection_of.hpp"
+#include "contest.hpp"
 #include "pose/score.hpp"
-#include "seen_bracket.hpp"
 #include "symmetry_rows.hpp"
 
 namespace binpick {
 namespace {
-
-const Vec3 kPlace(5, -5, 500);
-constexpr int kOwners = 4;
-
-Pose turned(const Pose& T, double deg) {
-  return left_increment(T, Vec3(0, 0, deg * kDegree), Vec3::Zero(), T.t_mm);
-}
-
-struct Contest {
-  explicit Contest(const ObjectModel& part = bracket_model(), bool with_depth = true)
-      : bracket(bracket_pose(30, 40, 10, kPlace), part),
-        limits{bracket.plan.width_max, bracket.plan.height_max, kOwners, 200, 100, 1},
-        arena(Selector::footprint(limits)),
-        selector(limits, arena) {
-    EXPECT_EQ(arena.size_bytes(), arena.used_bytes());
-    if (!with_depth) bracket.without_depth();
-  }
-
-  // At the truth, moved sideways.
-  Hypothesis pose(double shift_mm, double rank = 0) const {
-    Hypothesis h;
-    h.T_cam_centre = bracket.truth;
-    h.T_cam_centre.t_mm.x() += shift_mm;
-    h.score = h.rank = rank;
-    return h;
-  }
-  Hypothesis verified(const Pose& T) {
-    Hypothesis h;
-    h.T_cam_centre = T;
-    const Scene scene = bracket.scene();
-    verify_one(bracket.context(scene), h);
-    return h;
-  }
-
-  std::vector<Hypothesis> suppressed(const std::vector<Hypothesis>& from,
-                                     const SuppressLimits& by = limits_of_aligned(),
-                                     std::size_t room = 100) {
-    std::vector<Hypothesis> out(room);
-    const Scene scene = bracket.scene();
-    report = {};
-    out.resize(selector.suppress(bracket.context(scene), from, by, out, report));
-    return out;
-  }
-  std::vector<Hypothesis*> explained(std::vector<Hypothesis>& list, double min_score = 0) {
-    const Scene scene = bracket.scene();
-    report = {};
-    const auto kept = selector.explain(bracket.context(scene), list, min_score, report);
-    return {kept.begin(), kept.end()};
-  }
-  int dropped(DropReason reason) const { return report.dropped[static_cast<std::size_t>(reason)]; }
-
-  SeenBracket bracket;
-  SelectorLimits limits;
-  Arena arena;
-  Selector selector;
-  DetectionReport report;
-};
 
 double diameter_mm() {
   return bracket_model().info().diameter_mm;
@@ -366,60 +307,6 @@ TEST(Conflicts, MakeAPoseLessProbableUnlessTheyAreTheSamePick) {
   EXPECT_LT(odds(beside_one), 0.6 * odds(alone));
   add_conflict(context, other, owner);
   EXPECT_LT(score_of(context, owner), beside_one);
-}
-
-// The bracket, said to look the same turned half about an axis, as training finds or does not find
-// out.
-const ObjectModel& nearly_symmetric(SymmetryKind kind) {
-  static std::vector<std::vector<std::uint8_t>> files;
-  static std::vector<std::unique_ptr<ObjectModel>> models;
-  files.push_back(
-      with_symmetry(bracket_model_bytes(), {turn_row(Vec3::UnitZ(), 180, 0, kind)}, {}));
-  models.push_back(std::make_unique<ObjectModel>(ObjectModel::parse(files.back()).value()));
-  return *models.back();
-}
-
-TEST(Conflicts, WhatLooksTheSameMakesAPoseAmbiguousAndNotLessRight) {
-  for (const bool told : {false, true}) {
-    Contest c(nearly_symmetric(told ? SymmetryKind::kNear : SymmetryKind::kIndistinguishable));
-    const Scene scene = c.bracket.scene();
-    Hypothesis owner = c.verified(c.bracket.truth);
-    // As good as the owner itself.
-    Hypothesis other = owner;
-    other.T_cam_centre = owner.T_cam_centre * Pose{rotation_from_vector({0, 0, kPi}), Vec3::Zero()};
-    std::vector<Hypothesis> list{owner, other};
-    ASSERT_EQ(std::vector<Hypothesis*>{&list[0]}, c.explained(list));
-    const Detection d = detection_of({&c.bracket.model, 1}, scene, list[0]);
-    EXPECT_EQ(list[0].score < owner.score, told);
-    EXPECT_EQ(d.symmetric, !told);
-    EXPECT_EQ(pose_ambiguous(d), !told);
-    ASSERT_EQ(d.alternative_count, told ? 0 : 1);
-    if (told) continue;
-    EXPECT_NEAR(d.pose_probability, 0.5, 1e-9);
-    EXPECT_NEAR(d.alternatives[0].probability, 0.5, 1e-9);
-    EXPECT_NEAR(rotation_angle_between(d.alternatives[0].T_cam_obj.R, d.T_cam_obj.R), kPi, 1e-6);
-  }
-}
-
-TEST(Conflicts, OfManyThatLookTheSameTheMostProbableAreKept) {
-  Contest c(nearly_symmetric(SymmetryKind::kIndistinguishable));
-  const Scene scene = c.bracket.scene();
-  const PoseContext context = c.bracket.context(scene);
-  Hypothesis owner = c.verified(c.bracket.truth);
-  std::vector<Hypothesis> others(kPoseAlternativesMax + 2, owner);
-  double odds = 0;
-  for (std::size_t i = 0; i < others.size(); ++i) {
-    const double tilt = 0.01 * static_cast<double>(i);
-    others[i].T_cam_centre =
-        owner.T_cam_centre * Pose{rotation_from_vector({0, 0, kPi - tilt}), Vec3::Zero()};
-    others[i].evidence.hidden += static_cast<int>(7 * i % 5);  // 0 2 4 1 3
-    add_conflict(context, others[i], owner);
-    odds += odds_alone(others[i]);
-  }
-  EXPECT_NEAR(owner.ambiguity.odds, odds, 1e-9 * odds);
-  const std::array<const Hypothesis*, 3> best{&others[0], &others[3], &others[1]};
-  EXPECT_EQ(owner.ambiguity.best, best);
-  EXPECT_EQ(owner.conflict_odds, 0);
 }
 
 TEST(Conflicts, TheTermIsTheShareOfTheOdds) {

@@ -136,16 +136,25 @@ SymmetryTurn near_half_turn(SymmetryKind kind) {
   return turn_row(Vec3::UnitX(), 180, 0, kind);
 }
 
+constexpr NearSymmetry kAuto = NearSymmetry::kAuto;
+
 TEST(LooksSame, NearTurnsCountWhereDetectionCannotTellThem) {
   const Part told({near_half_turn(SymmetryKind::kNear)}, {}),
       untold({near_half_turn(SymmetryKind::kIndistinguishable)}, {});
   const Pose flipped = kPose * turned(Vec3::UnitX(), 180);
-  EXPECT_TRUE(untold.symmetries.looks_same(kPose, flipped, kMm, kRad));
+  EXPECT_TRUE(untold.symmetries.looks_same(kPose, flipped, kMm, kRad, kAuto));
   EXPECT_FALSE(untold.symmetries.same(kPose, flipped, kMm, kRad));
-  EXPECT_FALSE(told.symmetries.looks_same(kPose, flipped, kMm, kRad));
+  EXPECT_FALSE(told.symmetries.looks_same(kPose, flipped, kMm, kRad, kAuto));
   const Pose half = kPose * turned(Vec3::UnitX(), 90);
-  EXPECT_FALSE(untold.symmetries.looks_same(kPose, half, kMm, kRad));
-  EXPECT_TRUE(untold.symmetries.looks_same(kPose, kPose, kMm, kRad));
+  EXPECT_FALSE(untold.symmetries.looks_same(kPose, half, kMm, kRad, kAuto));
+  EXPECT_TRUE(untold.symmetries.looks_same(kPose, kPose, kMm, kRad, kAuto));
+  // Whoever asks may decide.
+  EXPECT_TRUE(told.symmetries.looks_same(kPose, flipped, kMm, kRad, NearSymmetry::kEquivalent));
+  EXPECT_FALSE(untold.symmetries.looks_same(kPose, flipped, kMm, kRad, NearSymmetry::kDistinct));
+  EXPECT_TRUE(told.symmetries.has_any(NearSymmetry::kEquivalent));
+  EXPECT_FALSE(told.symmetries.has_any(kAuto));
+  EXPECT_TRUE(untold.symmetries.has_any(kAuto));
+  EXPECT_FALSE(untold.symmetries.has_any(NearSymmetry::kDistinct));
   // It is an alternative of a pose either way.
   EXPECT_EQ(untold.symmetries.near_rotations().size(), 1u);
 }
@@ -155,10 +164,12 @@ TEST(LooksSame, AnyAngleAboutAnIndistinguishableAxisAndTurnedOver) {
                   {about_z(0, SymmetryKind::kIndistinguishable)});
   for (const double angle_deg : {3.0, 47.0, 171.0}) {
     const Pose rolled = kPose * turned(Vec3::UnitZ(), angle_deg);
-    EXPECT_TRUE(part.symmetries.looks_same(kPose, rolled, kMm, kRad)) << angle_deg;
-    EXPECT_TRUE(part.symmetries.looks_same(kPose, rolled * turned(Vec3::UnitX(), 180), kMm, kRad))
+    EXPECT_TRUE(part.symmetries.looks_same(kPose, rolled, kMm, kRad, kAuto)) << angle_deg;
+    EXPECT_TRUE(
+        part.symmetries.looks_same(kPose, rolled * turned(Vec3::UnitX(), 180), kMm, kRad, kAuto))
         << angle_deg;
-    EXPECT_FALSE(part.symmetries.looks_same(kPose, rolled * turned(Vec3::UnitX(), 20), kMm, kRad))
+    EXPECT_FALSE(
+        part.symmetries.looks_same(kPose, rolled * turned(Vec3::UnitX(), 20), kMm, kRad, kAuto))
         << angle_deg;
   }
 }

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <set>
 
+#include "daemon/answer_of_result.hpp"
 #include "modbus/answer.hpp"
 #include "station_bench.hpp"
 
@@ -310,6 +311,33 @@ TEST(Ranking, KeepsTheConfiguredOrder) {
   EXPECT_THAT(scores(Ranking::kHighBase, T_base_cam, true, 3), ElementsAre(0.7, 0.9, 0.5));
   EXPECT_THAT(scores(Ranking::kScore, {}, false, 2), ElementsAre(0.9, 0.7));
   EXPECT_THAT(scores(Ranking::kScore, {}, false, 0), ElementsAre());
+}
+
+// From a detection to the register of its pick.
+TEST(Ranking, SaysWhatLooksTheSameAndWhatIsAmbiguous) {
+  namespace map = modbus::map;
+  std::vector<Detection> found(4);
+  for (Detection& d : found) d.visible_fraction = 1;
+  found[1].visible_fraction = 0.5;
+  found[2].symmetric = true, found[2].pose_probability = 0.9;
+  found[3].symmetric = true, found[3].pose_probability = 0.5;
+  Recipe recipe;
+  recipe.models = {0};
+  int order[4];
+  Pick picks[4];
+  ASSERT_EQ(4, rank_picks(found, recipe, Ranking::kScore, {}, false, 4, order, picks));
+  CycleResult result;
+  result.picks = picks;
+  modbus::AnswerSnapshot answer;
+  fill_answer(result, answer);
+  const auto bits = [](auto... flags) {
+    return static_cast<std::uint16_t>((0 | ... | static_cast<int>(flags)));
+  };
+  using enum map::PickFlagsBit;
+  EXPECT_EQ(answer.page_picks[0].flags, bits());
+  EXPECT_EQ(answer.page_picks[1].flags, bits(kPartlyHidden));
+  EXPECT_EQ(answer.page_picks[2].flags, bits(kSymmetric));
+  EXPECT_EQ(answer.page_picks[3].flags, bits(kSymmetric, kPoseAmbiguous));
 }
 
 }  // namespace

@@ -39,6 +39,7 @@ struct DetectRequest {
   // Which of the detector's models to look for; empty: all.
   std::span<const int> model_indices;
   Modality modality = Modality::kAutomatic;  // which of the frame's images to look at
+  NearSymmetry near_symmetry = NearSymmetry::kAuto;
   int max_results = 64;
   double min_score = 0.85;  // probability that the pose is right
   // On the detector's clock: what is verified by then is answered, and the report says cut_short.

@@ -46,6 +46,16 @@ struct PartSymmetry {
   std::span<const SymmetryAxis> exact_axes, near_axes;
 };
 
+// Whether poses that differ by a near symmetry are one to whoever asks for them.
+enum class NearSymmetry : std::int32_t {
+  kAuto = 0,    // where it is indistinguishable
+  kEquivalent,  // always: the gripper does not care how the part is turned
+  kDistinct,    // never: what cannot be told apart gets a low score
+};
+inline constexpr int kNearSymmetryCount = 3;
+inline constexpr const char* kNearSymmetryNames[kNearSymmetryCount] = {"auto", "equivalent",
+                                                                       "distinct"};
+
 // An axis or a point of the above.
 Vec3 vector_of(const float (&v)[3]);
 

@@ -39,13 +39,13 @@ inline constexpr std::size_t kPoseAlternativesMax = 3;
 
 // One accepted pose.
 struct Detection {
-  int model_index = 0;           // index into the models the detector was made with
-  Pose T_cam_obj;                // object to camera, mm
-  double score = 0;              // probability that the pose is right, in [0, 1], up to moves that
-                                 // the part's appearance does not tell (SymmetryKind)
-  bool symmetric = false;        // the part looks the same in other poses
-  double pose_probability = 1;   // of this one among the poses that detection cannot tell apart
-  int alternative_count = 0;     // the others of them, the most probable first
+  int model_index = 0;          // index into the models the detector was made with
+  Pose T_cam_obj;               // object to camera, mm
+  double score = 0;             // probability that the pose is right, in [0, 1], up to moves that
+                                // the part's appearance does not tell (SymmetryKind)
+  bool symmetric = false;       // the part looks the same in other poses
+  double pose_probability = 1;  // of this one among the poses that detection cannot tell apart
+  int alternative_count = 0;    // the others of them, the most probable first
   std::array<PoseAlternative, kPoseAlternativesMax> alternatives{};
   double visible_fraction = 0;   // share of the model's visible surface that the scene does not
                                  // hide; 1 without depth, which alone could tell
