@@ -66,7 +66,7 @@ TEST(ModelSymmetry, HostileRowsAreRefused) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const std::function<void(Rows&)> changes[] = {
-      [](Rows& r) { r.turns[0].kind = static_cast<SymmetryKind>(2); },
+      [](Rows& r) { r.turns[0].kind = static_cast<SymmetryKind>(3); },
       [](Rows& r) { r.turns[1].kind = static_cast<SymmetryKind>(-1); },
       [](Rows& r) { std::swap(r.turns[0], r.turns[1]); },
       [](Rows& r) { r.turns[0].axis[0] = 1; },
@@ -96,6 +96,9 @@ TEST(ModelSymmetry, HostileRowsAreRefused) {
     ++index;
   }
   EXPECT_EQ(ErrorCode::kNone, parsed_after([](Rows&) {}));
+  EXPECT_EQ(ErrorCode::kNone, parsed_after([](Rows& r) {
+              r.turns[1].kind = r.axes[1].kind = SymmetryKind::kIndistinguishable;
+            }));
 }
 
 }  // namespace
