@@ -42,6 +42,14 @@ std::string list_of(std::span<const char* const> names) {
   return list;
 }
 
+// The position of a text among names.
+int parse_choice(const std::string& option, const std::string& text,
+                 std::span<const char* const> names) {
+  const auto at = std::find(names.begin(), names.end(), text);
+  if (at == names.end()) refuse(option, text, "expected " + list_of(names));
+  return static_cast<int>(at - names.begin());
+}
+
 }  // namespace
 
 std::pair<double, double> parse_range(const std::string& option, const std::string& text) {
@@ -78,17 +86,11 @@ Isa parse_isa(const std::string& option, const std::string& text) {
 }
 
 Modality parse_modality(const std::string& option, const std::string& text) {
-  for (int i = 0; i < kModalityCount; ++i) {
-    if (text == kModalityNames[i]) return static_cast<Modality>(i);
-  }
-  refuse(option, text, "expected " + modality_list());
+  return static_cast<Modality>(parse_choice(option, text, kModalityNames));
 }
 
 NearSymmetry parse_near_symmetry(const std::string& option, const std::string& text) {
-  for (int i = 0; i < kNearSymmetryCount; ++i) {
-    if (text == kNearSymmetryNames[i]) return static_cast<NearSymmetry>(i);
-  }
-  refuse(option, text, "expected " + near_symmetry_list());
+  return static_cast<NearSymmetry>(parse_choice(option, text, kNearSymmetryNames));
 }
 
 std::string modality_list() {

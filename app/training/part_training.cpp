@@ -50,29 +50,25 @@ ScoreCalibration score_of(const PileTrial& trial, const PartGeometry& geometry,
 ModelTrials calibrate(std::vector<std::uint8_t>& model_bytes, const train::Mesh& mesh,
                       const std::vector<SimulatedPile>& piles, WorkerPool& pool,
                       const train::TrainProgress& progress) {
-  int done = 0;
-  const auto trial_of = [&](Modality modality) {
-    const PileTrial trial = run_trial(parsed(model_bytes), piles, modality, pool,
-                                      share_of(progress, done / 4.0, (done + 1) / 4.0));
-    ++done;
-    return trial;
-  };
-  PileTrial both = trial_of(Modality::kDepthAndIntensity);
-  {
-    const ObjectModel model = parsed(model_bytes);
-    const train::NearSymmetries which =
-        indistinguishable_symmetries(both, model, mesh, limits_of(model));
-    train::set_indistinguishable(model_bytes, which);
-  }
-  const ObjectModel model = parsed(model_bytes);
-  const PartGeometry geometry = geometry_of(model, mesh);
+  ObjectModel model = parsed(model_bytes);
   const PoseLimits limits = limits_of(model);
-  both = trial_of(Modality::kDepthAndIntensity);
-  const PileTrial intensity = trial_of(Modality::kIntensity);
+  const auto trial_of = [&](Modality modality, int number) {
+    return run_trial(model, piles, modality, pool,
+                     share_of(progress, number / 4.0, (number + 1) / 4.0));
+  };
+  PileTrial both = trial_of(Modality::kDepthAndIntensity, 0);
+  const train::NearSymmetries which = indistinguishable_symmetries(both, model, mesh, limits);
+  if (which.any()) {  // and so detection goes otherwise from here on
+    train::set_indistinguishable(model_bytes, which);
+    model = parsed(model_bytes);
+    both = trial_of(Modality::kDepthAndIntensity, 1);
+  }
+  const PartGeometry geometry = geometry_of(model, mesh);
+  const PileTrial intensity = trial_of(Modality::kIntensity, 2);
   ModelTrials trials;
   trials.calibration_piles = static_cast<std::int32_t>(piles.size());
   trials.with_intensity = score_of(both, geometry, limits);
-  trials.depth_alone = score_of(trial_of(Modality::kDepth), geometry, limits);
+  trials.depth_alone = score_of(trial_of(Modality::kDepth, 3), geometry, limits);
   trials.intensity_alone = score_of(intensity, geometry, limits);
   const auto grow = [&](const PileTrial& trial, double& scale) {
     if (const auto growth = growth_of_variance(trial, geometry, model.centre_mm()))

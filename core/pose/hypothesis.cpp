@@ -27,6 +27,11 @@ void for_living(const PoseContext& context, std::span<Hypothesis> hypotheses, Fn
   });
 }
 
+// Without the conflicts with others.
+ScoreTerms own_terms(const Hypothesis& h) {
+  return score_terms(h.evidence, static_cast<double>(h.candidate.score) / kScoreOne);
+}
+
 }  // namespace
 
 bool better_hypothesis(const Hypothesis& a, const Hypothesis& b) {
@@ -40,7 +45,7 @@ void count_drop(DetectionReport& report, DropReason reason) {
 }
 
 ScoreTerms terms_of(const Hypothesis& h) {
-  ScoreTerms terms = score_terms(h.evidence, static_cast<double>(h.candidate.score) / kScoreOne);
+  ScoreTerms terms = own_terms(h);
   terms[static_cast<std::size_t>(ScoreTerm::kConflicts)] =
       conflicts_term(log_odds(terms, h.evidence.seen), h.conflict_odds);
   return terms;
@@ -51,8 +56,7 @@ double log_odds_of(const Hypothesis& h) {
 }
 
 double odds_alone(const Hypothesis& h) {
-  const double template_score = static_cast<double>(h.candidate.score) / kScoreOne;
-  return std::exp(log_odds(score_terms(h.evidence, template_score), h.evidence.seen));
+  return std::exp(log_odds(own_terms(h), h.evidence.seen));
 }
 
 double score_of(const PoseContext& context, const Hypothesis& h) {

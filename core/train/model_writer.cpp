@@ -1,5 +1,6 @@
 #include "train/model_writer.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 #include "binpick/train/trainer.hpp"
@@ -141,6 +142,13 @@ std::vector<std::uint8_t> write_model(const ModelInfo& info, const PoseTree& tre
   header.file_bytes = bytes.size();
   seal(header, bytes);
   return bytes;
+}
+
+bool NearSymmetries::any() const {
+  const auto one_of = [](const std::vector<bool>& list) {
+    return std::find(list.begin(), list.end(), true) != list.end();
+  };
+  return one_of(turns) || one_of(axes);
 }
 
 void set_indistinguishable(std::vector<std::uint8_t>& model, const NearSymmetries& which) {

@@ -52,9 +52,7 @@ enum class NearSymmetry : std::int32_t {
   kEquivalent,  // always: the gripper does not care how the part is turned
   kDistinct,    // never: what cannot be told apart gets a low score
 };
-inline constexpr int kNearSymmetryCount = 3;
-inline constexpr const char* kNearSymmetryNames[kNearSymmetryCount] = {"auto", "equivalent",
-                                                                       "distinct"};
+inline constexpr const char* kNearSymmetryNames[] = {"auto", "equivalent", "distinct"};
 
 // An axis or a point of the above.
 Vec3 vector_of(const float (&v)[3]);

@@ -55,6 +55,7 @@ std::vector<std::uint8_t> train_model(const ImportedMesh& part, const TrainOptio
 // Of each near symmetry of a model, in its order: whether detection cannot tell it.
 struct NearSymmetries {
   std::vector<bool> turns, axes;
+  bool any() const;
 };
 
 // Both put into the bytes of a model what trying it on simulated piles told.
