@@ -69,6 +69,13 @@ void add_trial_options(CLI::App& command, TrialPlan& plan, bool with_test) {
   add("--calibration-piles", plan.calibration_piles,
       "Piles that the score is calibrated with; 0: as the evidence has it");
   if (with_test) add("--test-piles", plan.test_piles, "Piles of the self-test; 0: none");
+  command
+      .add_option_function<std::string>(
+          "--sensor-kind",
+          [&plan](const std::string& name) { plan.sensor_kind = simulation::sensor_kind_of(name); },
+          "Kind of sensor that sees them; all kinds in turn when left out")
+      ->check(CLI::IsMember(simulation::sensor_kind_names()))
+      ->group(group);
 }
 
 }  // namespace binpick::app

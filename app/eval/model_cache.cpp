@@ -39,6 +39,7 @@ std::string description(std::uint64_t mesh_hash, const train::TrainOptions& o,
   add("contour_features", o.contour_features), add("surface_features", o.surface_features);
   add("calibration_piles", trials.calibration_piles), add("test_piles", trials.test_piles);
   if (trials.calibration_piles > 0 || trials.test_piles > 0) add("trials", kTrialsRevision);
+  if (trials.sensor_kind) add("sensor_kind", static_cast<double>(*trials.sensor_kind));
   return text + " seed " + std::to_string(o.seed);
 }
 

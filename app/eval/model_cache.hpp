@@ -16,9 +16,9 @@ namespace binpick::app {
 inline constexpr int kTrainerRevision = 5;
 // The same of the detector, as far as trials in simulated piles tell something else. The templates
 // stay.
-inline constexpr int kTrialsRevision = 4;
+inline constexpr int kTrialsRevision = 6;
 // No trials: templates alone.
-inline constexpr TrialPlan kNoTrials{0, 0};
+inline constexpr TrialPlan kNoTrials{.calibration_piles = 0, .test_piles = 0};
 
 // FNV-1a 64 over the mesh's hash, the revisions and all options; without trials those of trials
 // left out.

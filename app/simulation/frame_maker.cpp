@@ -96,11 +96,12 @@ std::vector<std::size_t> FrameMaker::draw_kinds(const std::vector<std::size_t>& 
 }
 
 Frame FrameMaker::make(const std::vector<std::size_t>& kinds, std::uint64_t seed,
-                       const CameraParams& camera, const DepthSensorParams& sensor) const {
+                       const FrameSetting& setting) const {
+  const CameraParams& camera = setting.camera;
   Rng rng(seed);
   const std::vector<std::size_t> falling = draw_kinds(kinds, rng);
   const std::vector<PlacedPart> placed = make_pile(shapes_, falling, params_.bin, rng.fork(1));
-  const Scene scene = make_scene(parts_, placed, params_.bin, rng.fork(2));
+  const Scene scene = make_scene(parts_, placed, params_.bin, setting.as_made, rng.fork(2));
   Frame frame;
   frame.view = make_camera(camera, params_.bin, rng.fork(3));
   frame.roi = bin_roi(frame.view, params_.bin, 0, 0);
@@ -111,7 +112,7 @@ Frame FrameMaker::make(const std::vector<std::size_t>& kinds, std::uint64_t seed
   const auto exposure = static_cast<float>(std::exp(0.18 * rng.normal()));
   frame.gray = expose(radiance, frame.view, exposure, rng.fork(5));
   frame.depth =
-      sense_depth(scene, frame.view, seen, radiance, exposure, window, sensor, rng.fork(6));
+      sense_depth(scene, frame.view, seen, radiance, exposure, window, setting.sensor, rng.fork(6));
   frame.instances = make_truth(scene, parts_, frame.view, seen, frame.depth);
   return frame;
 }

@@ -31,9 +31,15 @@ struct Frame {
   std::vector<InstanceTruth> instances;
 };
 
-struct FrameParams {
+// Who looks at what.
+struct FrameSetting {
   CameraParams camera;
   DepthSensorParams sensor;
+  PartsAsMade as_made;
+};
+
+struct FrameParams {
+  FrameSetting setting;  // where make() is given none
   BinSize bin;
   int part_count = 0;           // 0: as many as fill the bin well
   bool gray_everywhere = true;  // false: only where depth is measured, in and about the bin
@@ -47,11 +53,11 @@ class FrameMaker {
   // A pile of the given kinds in about equal numbers; the same seed gives the same frame. Safe to
   // call from several threads at once.
   Frame make(const std::vector<std::size_t>& kinds, std::uint64_t seed) const {
-    return make(kinds, seed, params_.camera, params_.sensor);
+    return make(kinds, seed, params_.setting);
   }
-  // The same seen by another camera and sensor.
-  Frame make(const std::vector<std::size_t>& kinds, std::uint64_t seed, const CameraParams& camera,
-             const DepthSensorParams& sensor) const;
+  // The same parts, made otherwise and seen by another camera and sensor.
+  Frame make(const std::vector<std::size_t>& kinds, std::uint64_t seed,
+             const FrameSetting& setting) const;
 
  private:
   std::vector<std::size_t> draw_kinds(const std::vector<std::size_t>& kinds, Rng& rng) const;

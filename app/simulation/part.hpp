@@ -10,7 +10,20 @@
 namespace binpick::simulation {
 
 // What a surface looks like; bench and bin are finishes too.
-enum class Finish { kCastBrass, kGalvanised, kMachined, kPlastic, kBench, kBin };
+enum class Finish {
+  kCastBrass,
+  kGalvanised,
+  kMachined,
+  kPolished,
+  kPlastic,
+  kRubber,
+  kBench,
+  kBin
+};
+// Metals send light away from where it came from, and to each other.
+constexpr bool is_metal(Finish finish) {
+  return finish <= Finish::kPolished;
+}
 
 struct Part {
   int obj_id = 0;

@@ -63,10 +63,25 @@ void add_body(Scene& scene, const TriangleMesh& mesh,
   scene.bodies.push_back(body);
 }
 
+TriangleMesh made(TriangleMesh mesh, const PartsAsMade& as_made) {
+  const Bounds box = bounds(mesh);
+  const Vec3 side = box.max - box.min;
+  int longest = 0, shortest = 0;
+  side.maxCoeff(&longest);
+  side.minCoeff(&shortest);
+  const double middle = (box.min[longest] + box.max[longest]) / 2;
+  for (Vec3& v : mesh.vertices) {
+    const double out = 2 * (v[longest] - middle) / side[longest];
+    v[shortest] += as_made.bend * side[longest] * out * out;
+    v *= as_made.scale;
+  }
+  return mesh;
+}
+
 }  // namespace
 
 Scene make_scene(const std::vector<Part>& kinds, const std::vector<PlacedPart>& placed,
-                 const BinSize& bin, Rng rng) {
+                 const BinSize& bin, const PartsAsMade& as_made, Rng rng) {
   constexpr double kCrease = 0.6;
   Scene scene;
   scene.bin = bin;
@@ -82,14 +97,18 @@ Scene make_scene(const std::vector<Part>& kinds, const std::vector<PlacedPart>& 
   add_body(scene, bench, corner_normals(bench, kCrease), body(Finish::kBench, 0.15));
   const TriangleMesh box = make_bin(bin);
   add_body(scene, box, corner_normals(box, kCrease), body(Finish::kBin, 0.35));
+  std::vector<TriangleMesh> meshes;
   std::vector<std::vector<std::array<Eigen::Vector3f, 3>>> normals;
-  for (const auto& kind : kinds) normals.push_back(corner_normals(kind.mesh, kCrease));
+  for (const auto& kind : kinds) {
+    meshes.push_back(made(kind.mesh, as_made));
+    normals.push_back(corner_normals(meshes.back(), kCrease));
+  }
   for (std::size_t i = 0; i < placed.size(); ++i) {
     const std::size_t kind = placed[i].kind;
-    Body part = body(kinds[kind].finish, 0.12);
+    Body part = body(as_made.finish.value_or(kinds[kind].finish), 0.12);
     part.T_world_obj = placed[i].T_world_obj;
     part.part = static_cast<int>(i);
-    add_body(scene, kinds[kind].mesh, normals[kind], part);
+    add_body(scene, meshes[kind], normals[kind], part);
   }
   return scene;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "simulation/part.hpp"
@@ -28,6 +29,13 @@ struct Scene {
   TriangleSoup soup;
 };
 
+// How parts as they are made differ from their CAD.
+struct PartsAsMade {
+  std::optional<Finish> finish;  // instead of the part's
+  double scale = 1;
+  double bend = 0;  // by how much the ends of the longest side leave the line, as a share of it
+};
+
 struct CameraParams {
   int width = 1280;
   int height = 1024;
@@ -42,7 +50,7 @@ struct Roi {
 };
 
 Scene make_scene(const std::vector<Part>& kinds, const std::vector<PlacedPart>& placed,
-                 const BinSize& bin, Rng rng);
+                 const BinSize& bin, const PartsAsMade& as_made, Rng rng);
 // Above the bin: turned by a multiple of 90 degrees and a little, tilted, and a little off centre.
 View make_camera(const CameraParams& params, const BinSize& bin, Rng rng);
 // The upright rectangle about the bin's inside at the height of its rim, clipped to the image.

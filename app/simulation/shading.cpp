@@ -72,6 +72,12 @@ SurfaceLook look_of(const Body& body, const Vector3f& p) {
               0.36f + 0.1f * grooves};
       break;
     }
+    case Finish::kPolished:
+      look = {0.07f + 0.02f * stain, 0.58f, 0.24f + 0.06f * value_noise(p / 5, seed)};
+      break;
+    case Finish::kRubber:
+      look = {0.05f + 0.02f * value_noise(p / 0.8f, seed), 0.04f, 0.5f};
+      break;
     case Finish::kPlastic:
       look = {0.42f + 0.05f * value_noise(p / 0.8f, seed), 0.05f, 0.45f};
       break;
@@ -126,7 +132,7 @@ Shader::Shader(const Scene& scene, const View& camera, Rng rng) : scene_(scene),
   }
 }
 
-float Shader::shade(int triangle, const Vec3& p, const Vec3& to_camera) const {
+Shader::Shade Shader::shade(int triangle, const Vec3& p, const Vec3& to_camera) const {
   const auto t = static_cast<std::size_t>(triangle);
   const Body& body = scene_.bodies[static_cast<std::size_t>(scene_.soup.body[t])];
   const auto& c = scene_.soup.corners[t];
@@ -147,6 +153,7 @@ float Shader::shade(int triangle, const Vec3& p, const Vec3& to_camera) const {
   const SurfaceLook look = look_of(body, p_obj.cast<float>());
   const Vec3 lifted = p + 0.5 * normal;  // off the surface, against shadows of itself
   float sum = 0;
+  float projected = 0;
   float room_seen = 0;
   float room_all = 1e-6f;
   for (const auto& light : lights_) {
@@ -163,13 +170,14 @@ float Shader::shade(int triangle, const Vec3& p, const Vec3& to_camera) const {
     const float power = seen * light.power * static_cast<float>(reach * reach) * facing;
     sum += power * look.albedo;
     if (light.specular) sum += power * highlight(look, normal, to_light, to_camera);
+    if (&light == &lights_.front()) projected = sum;
   }
   // Metal mirrors the room: bright ceiling, brighter towards the lamp, dark near the horizon.
   const Vec3 mirrored = 2 * normal.dot(to_camera) * normal - to_camera;
   const double towards_lamp = std::max(0.0, mirrored.dot(lamp_direction_));
   const double room =
       0.05 + 0.22 * std::max(0.0, mirrored.z()) + 0.5 * std::pow(towards_lamp, 12.0);
-  return sum + look.reflectance * static_cast<float>(room) * room_seen / room_all;
+  return {sum + look.reflectance * static_cast<float>(room) * room_seen / room_all, projected};
 }
 
 Radiance Shader::render(const Roi& window) const {
@@ -179,7 +187,7 @@ Radiance Shader::render(const Roi& window) const {
   const Vec3 eye = camera_.position();
   const auto sample = [&](int x, int y) {
     const std::size_t at = buffer.index(x, y);
-    if (buffer.triangle[at] < 0) return 0.0f;
+    if (buffer.triangle[at] < 0) return Shade{};
     const Vec3 ray = fine.ray(x, y);
     return shade(buffer.triangle[at], eye + ray / buffer.inverse_z[at], -ray.normalized());
   };
@@ -190,6 +198,7 @@ Radiance Shader::render(const Roi& window) const {
   Radiance out;
   out.value.resize(static_cast<std::size_t>(camera_.width) *
                    static_cast<std::size_t>(camera_.height));
+  out.projected.resize(out.value.size());
   for (int y = window.y; y < window.y + window.height; ++y) {
     for (int x = window.x; x < window.x + window.width; ++x) {
       const int first = buffer.triangle[buffer.index(2 * x, 2 * y)];
@@ -202,13 +211,19 @@ Radiance Shader::render(const Roi& window) const {
                     scene_.soup.body[static_cast<std::size_t>(first)] &&
                 face(other).dot(face(first)) > 0.95f;
       }
-      float value = sample(2 * x, 2 * y);
+      Shade value = sample(2 * x, 2 * y);
       if (!plain) {
-        value += sample(2 * x + 1, 2 * y) + sample(2 * x, 2 * y + 1) + sample(2 * x + 1, 2 * y + 1);
-        value /= 4;
+        const Shade right = sample(2 * x + 1, 2 * y), below = sample(2 * x, 2 * y + 1),
+                    across = sample(2 * x + 1, 2 * y + 1);
+        value.all += right.all + below.all + across.all;
+        value.projected += right.projected + below.projected + across.projected;
+        value.all /= 4;
+        value.projected /= 4;
       }
-      out.value[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
-                static_cast<std::size_t>(x)] = value;
+      const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) +
+                             static_cast<std::size_t>(x);
+      out.value[at] = value.all;
+      out.projected[at] = value.projected;
     }
   }
   return out;

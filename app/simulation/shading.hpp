@@ -11,7 +11,8 @@ namespace binpick::simulation {
 // Light that leaves the surfaces, before exposure; 1 is what a white dull surface sends back when
 // the projector shines straight at it.
 struct Radiance {
-  std::vector<float> value;  // one per pixel of the view
+  std::vector<float> value;      // one per pixel of the view
+  std::vector<float> projected;  // the share of it that the sensor's own projector sent
 };
 
 class Shader {
@@ -30,7 +31,10 @@ class Shader {
     bool specular;  // the room only brightens; lamp and projector also make highlights
   };
 
-  float shade(int triangle, const Vec3& p, const Vec3& to_camera) const;
+  struct Shade {
+    float all = 0, projected = 0;
+  };
+  Shade shade(int triangle, const Vec3& p, const Vec3& to_camera) const;
 
   const Scene& scene_;
   View camera_;

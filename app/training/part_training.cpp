@@ -102,7 +102,7 @@ TrainedPart try_part(std::vector<std::uint8_t> model_bytes, const train::Importe
   out.model = std::move(model_bytes);
   if (plan.calibration_piles <= 0 && plan.test_piles <= 0) return out;
 
-  const PileMaker maker(part, options);
+  const PileMaker maker(part, options, plan.sensor_kind);
   const auto progress_of = [&](const char* step) -> train::TrainProgress {
     return [&tell, step](double share) { tell(step, share); };
   };

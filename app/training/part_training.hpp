@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "binpick/train/trainer.hpp"
+#include "simulation/sensor_kind.hpp"
 #include "training/self_test.hpp"
 
 namespace binpick::app {
@@ -15,6 +16,7 @@ namespace binpick::app {
 struct TrialPlan {
   int calibration_piles = 8;  // 0: the score stays as the evidence has it
   int test_piles = 4;         // 0: no self-test
+  std::optional<simulation::SensorKind> sensor_kind = {};  // that sees them; else all kinds in turn
 };
 
 struct TrainedPart {

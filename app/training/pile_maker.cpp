@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "simulation/simplified_mesh.hpp"
+#include "simulation/variation.hpp"
 
 namespace binpick::app {
 namespace {
@@ -68,8 +69,11 @@ drivers::LoadedFrame loaded(const simulation::Frame& frame, const DepthSensorPar
 
 }  // namespace
 
-PileMaker::PileMaker(const train::ImportedMesh& part, const train::TrainOptions& options)
-    : scale_(kDiameterInSimulation_mm / train::mesh_bounds(part.mesh).diameter_mm),
+PileMaker::PileMaker(const train::ImportedMesh& part, const train::TrainOptions& options,
+                     std::optional<simulation::SensorKind> kind)
+    : kinds_(kind ? std::vector{*kind}
+                  : std::vector(simulation::kSensorKinds.begin(), simulation::kSensorKinds.end())),
+      scale_(kDiameterInSimulation_mm / train::mesh_bounds(part.mesh).diameter_mm),
       camera_(options.camera),
       distance_min_mm_(options.distance_min_mm),
       distance_max_mm_(options.distance_max_mm),
@@ -77,7 +81,7 @@ PileMaker::PileMaker(const train::ImportedMesh& part, const train::TrainOptions&
       parts_(part_of(part.mesh, scale_)),
       maker_(parts_, params_of(bin_)) {}
 
-SimulatedPile PileMaker::make_one(std::uint64_t seed) const {
+SimulatedPile PileMaker::make_one(std::uint64_t seed, simulation::SensorKind kind) const {
   Rng rng(seed);
   CameraParams camera;
   camera.width = camera_.width;
@@ -88,17 +92,13 @@ SimulatedPile PileMaker::make_one(std::uint64_t seed) const {
   const double near_mm = distance_min_mm_ * scale_;
   const double far_mm = std::max(near_mm, distance_max_mm_ * scale_ - bin_.height);
   camera.distance_mm = rng.uniform(near_mm, far_mm);
-  DepthSensorParams sensor;
-  sensor.baseline_mm *= scale_;
-  sensor.unit_mm *= scale_;
-  const double noise = std::exp(rng.uniform(std::log(0.5), std::log(3.0)));
-  sensor.noise_px *= noise;
-  sensor.drift_px *= noise;
-  sensor.glare_level *= rng.uniform(0.7, 1.3);
-  const simulation::Frame frame = maker_.make({0}, rng.next(), camera, sensor);
+  simulation::FrameSetting setting = simulation::varied_setting(camera, kind, rng);
+  setting.sensor.baseline_mm *= scale_;
+  setting.sensor.unit_mm *= scale_;
+  const simulation::Frame frame = maker_.make({0}, rng.next(), setting);
 
   SimulatedPile pile;
-  pile.frame = loaded(frame, sensor, scale_, camera_);
+  pile.frame = loaded(frame, setting.sensor, scale_, camera_);
   for (const simulation::InstanceTruth& truth : frame.instances) {
     drivers::TruthInstance instance;
     instance.obj_id = kPileObject;
@@ -119,7 +119,7 @@ std::vector<SimulatedPile> PileMaker::make(int count, std::uint64_t seed, Worker
   std::atomic<int> done{0};
   pool.parallel_for(count, [&](int i, int thread) {
     const auto at = static_cast<std::size_t>(i);
-    piles[at] = make_one(seeds[at]);
+    piles[at] = make_one(seeds[at], kinds_[at % kinds_.size()]);
     const int now = ++done;
     if (progress && thread == 0) progress(static_cast<double>(now) / count);
   });

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "binpick/base/worker_pool.hpp"
@@ -12,6 +13,7 @@
 #include "binpick/drivers/loaded_frame.hpp"
 #include "binpick/train/trainer.hpp"
 #include "simulation/frame_maker.hpp"
+#include "simulation/sensor_kind.hpp"
 
 namespace binpick::app {
 
@@ -25,14 +27,18 @@ inline constexpr int kPileObject = 1;
 class PileMaker {
  public:
   // Prepares what collides, which takes a second or two.
-  PileMaker(const train::ImportedMesh& part, const train::TrainOptions& options);
+  // Without a kind of sensor, all kinds in turn.
+  PileMaker(const train::ImportedMesh& part, const train::TrainOptions& options,
+            std::optional<simulation::SensorKind> kind);
 
   // `count` piles; the same seed gives the same piles on any number of threads.
   std::vector<SimulatedPile> make(int count, std::uint64_t seed, WorkerPool& pool,
                                   const train::TrainProgress& progress = {}) const;
 
  private:
-  SimulatedPile make_one(std::uint64_t seed) const;
+  SimulatedPile make_one(std::uint64_t seed, simulation::SensorKind kind) const;
+
+  std::vector<simulation::SensorKind> kinds_;
 
   // The simulation is made for parts of one size, so lengths in it are this times the real ones.
   double scale_;

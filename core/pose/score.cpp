@@ -10,22 +10,22 @@ namespace {
 
 // What must be measured of a part before it counts fully.
 constexpr double kMeasuredEnough = 0.35;
-// Sensors miss some depth beside every edge, which the weights were fitted with. Where less than
-// these shares of the surface, and of the outline's surroundings, has depth, the part shines.
-constexpr double kSurfaceKnown = 0.75, kOutlineKnown = 0.6;
+// Sensors miss some depth beside every edge. Where less than this share of the surface has depth,
+// the part shines.
+constexpr double kSurfaceKnown = 0.75;
 // Shares below this are as good as none.
 constexpr double kShareMin = 0.02;
 
 // Of visible creases on an edge, where there is none to be seen: what says neither right nor wrong.
 constexpr double kCreasesUnseen = 0.6;
 
-// Where the image shows that something is there, depth that is missing beyond what is usual speaks
-// neither for nor against it: what is asked of depth is asked of where there is some, if that is
-// enough to speak for the rest. Without an image nothing stands in for what was not measured, and
-// without depth nothing is asked of it.
-double known_share(const Evidence& e, double known, double usual) {
+// Of the surface that is usually known, the share that is. Where the image shows that something is
+// there, depth that is missing beyond what is usual speaks neither for nor against it: what is
+// measured speaks for the rest, if it is enough. Without an image nothing stands in for what was
+// not measured, and without depth nothing is asked of it.
+double known_share(const Evidence& e) {
   if (e.seen != Modality::kDepthAndIntensity) return 1;
-  return std::clamp(known, kMeasuredEnough, usual) / usual;
+  return std::clamp(e.known_fraction(), kMeasuredEnough, kSurfaceKnown) / kSurfaceKnown;
 }
 
 double log_share(double share) {
@@ -51,14 +51,10 @@ ScoreTerms score_terms(const Evidence& e, double template_score) {
   set(ScoreTerm::kDepthSupport, log_share(e.depth_support()));
   set(ScoreTerm::kContourSupport, log_share(e.contour_support()));
   set(ScoreTerm::kMeasured, log_share(std::min(1.0, e.measured_fraction() / kMeasuredEnough)));
-  const double area_px2 =
-      e.explained_mm2 * e.px2_per_mm2 / known_share(e, e.known_fraction(), kSurfaceKnown);
+  const double area_px2 = e.explained_mm2 * e.px2_per_mm2 / known_share(e);
   set(ScoreTerm::kSupportedArea, std::log(std::max(1.0, area_px2)));
   set(ScoreTerm::kContradicted, share(e.contradicted, e.samples));
   set(ScoreTerm::kHidden, share(e.hidden, e.samples));
-  set(ScoreTerm::kOutlineSteps,
-      share(e.outline_steps, e.contours) /
-          known_share(e, 1 - share(e.outline_unseen, e.contours), kOutlineKnown));
   set(ScoreTerm::kOutlineBare, share(e.outline_bare, e.contours));
   set(ScoreTerm::kOutlineOffset,
       e.outline_matches > 0 ? e.outline_offset_px / e.outline_matches : 0);

@@ -11,51 +11,48 @@ namespace binpick {
 using ScoreWeights = std::array<double, kScoreTermCount + 1>;
 
 inline constexpr ScoreWeights kScoreWeights = {
-    2.1974,    // depth_support
-    5.1145,    // contour_support
-    1.3944,    // measured
-    2.5511,    // supported_area
-    -43.6650,  // contradicted
-    -1.8059,   // hidden
-    5.2414,    // outline_steps
+    3.1088,    // depth_support
+    13.2553,   // contour_support
+    1.7912,    // measured
+    1.7419,    // supported_area
+    -41.0611,  // contradicted
+    -6.4151,   // hidden
     0.0000,    // outline_bare
-    -0.3838,   // outline_offset
-    3.1135,    // creases
+    -0.7236,   // outline_offset
+    0.6060,    // creases
     0.0000,    // template
-    -2.2205,   // conflicts
-    -22.1575,  // constant
+    -2.2277,   // conflicts
+    -7.3053,   // constant
 };
 
 inline constexpr ScoreWeights kScoreWeightsOfDepthAlone = {
-    0.8807,    // depth_support
-    1.4763,    // contour_support
-    1.8536,    // measured
-    2.5650,    // supported_area
-    -7.2118,   // contradicted
-    -1.5374,   // hidden
-    4.8565,    // outline_steps
+    1.4830,    // depth_support
+    3.1349,    // contour_support
+    0.7704,    // measured
+    2.6779,    // supported_area
+    -14.6551,  // contradicted
+    -4.0164,   // hidden
     0.0000,    // outline_bare
     0.0000,    // outline_offset
     0.0000,    // creases
-    0.5223,    // template
-    -2.3085,   // conflicts
-    -21.3509,  // constant
+    0.0000,    // template
+    -2.5543,   // conflicts
+    -15.1576,  // constant
 };
 
 inline constexpr ScoreWeights kScoreWeightsOfIntensityAlone = {
     0.0000,    // depth_support
     0.0000,    // contour_support
     0.0000,    // measured
-    0.9763,    // supported_area
+    0.8918,    // supported_area
     0.0000,    // contradicted
     0.0000,    // hidden
-    0.0000,    // outline_steps
-    -11.4082,  // outline_bare
-    -0.4796,   // outline_offset
-    1.0702,    // creases
-    1.4905,    // template
-    -0.7912,   // conflicts
-    -9.9053,   // constant
+    -7.8028,   // outline_bare
+    -0.9476,   // outline_offset
+    2.7724,    // creases
+    1.2744,    // template
+    -0.3881,   // conflicts
+    -11.0130,  // constant
 };
 
 }  // namespace binpick

@@ -14,8 +14,6 @@ namespace {
 // one counts little, not nothing.
 constexpr float kCosDisagrees = 0.6f, kCosAgrees = 0.75f, kNormalsMin = 0.2f;
 constexpr int kRangePx = 3;
-// From an outline to what is looked at on either side of it, beyond what a sensor smears.
-constexpr float kBesidePx = 4;
 
 // 1 on the edge, towards 0 at the end of the range.
 double nearness(float offset_px) {
@@ -39,34 +37,18 @@ void add_surface(const ObjectModel& model, const Scene& scene, const Pose& T, co
       static_cast<double>(found.explained) * static_cast<double>(view.sample_area_mm2);
 }
 
-struct DepthPixel {
-  int u, v;
-};
-DepthPixel depth_pixel(const simd::ContourPlaces& places, int i, float across_px) {
-  const auto at = [&](float px, float normal) {
-    return nearest_pixel(Scene::depth_level_px(static_cast<double>(px + across_px * normal)));
-  };
-  return {at(places.u[i], places.normal_u[i]), at(places.v[i], places.normal_v[i])};
-}
-
 // Whether a depth step of the contour's direction lies at its place or beside it.
 bool on_depth_step(const Scene& scene, const simd::ContourPlaces& places, int i) {
   const PyramidLevel& level = scene.depth;
-  const auto [u, v] = depth_pixel(places, i, 0);
+  const auto at_level = [](float px) {
+    return nearest_pixel(Scene::depth_level_px(static_cast<double>(px)));
+  };
+  const int u = at_level(places.u[i]), v = at_level(places.v[i]);
   if (u < 1 || v < 1 || u >= level.width - 1 || v >= level.height - 1) return false;
   const std::ptrdiff_t stride = level.stride;
   const std::uint8_t* at = level.depth_edges + v * stride + u;
   const unsigned steps = static_cast<unsigned>(at[0] | at[-1] | at[1] | at[-stride] | at[stride]);
   return (steps & edge_directions_near(places.normal_u[i], places.normal_v[i])) != 0;
-}
-
-// Whether no depth step could show at the contour.
-bool depth_missing_beside(const Scene& scene, const simd::ContourPlaces& places, int i) {
-  for (const float across_px : {0.0f, kBesidePx, -kBesidePx}) {
-    const auto [u, v] = depth_pixel(places, i, across_px);
-    if (!(scene.depth_at(u, v) > 0)) return true;
-  }
-  return false;
 }
 
 // The outline on depth steps; what lies there needs no edge, and its place is struck out.
@@ -75,11 +57,8 @@ void add_outline_steps(const Scene& scene, ContourMatches& m, Evidence& e) {
     if (!m.places.visible[i]) continue;
     ++e.contours;
     if (on_depth_step(scene, m.places, i)) {
-      ++e.outline_steps;
       e.contours_supported += 1;
       m.places.visible[i] = 0;
-    } else {
-      e.outline_unseen += depth_missing_beside(scene, m.places, i);
     }
   }
 }

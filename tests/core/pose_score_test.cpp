@@ -19,7 +19,6 @@ Evidence good_evidence() {
   e.hidden = 6;
   e.contours = 100;
   e.contours_supported = 97;
-  e.outline_steps = 80;
   e.outline_matches = 15;
   e.outline_offset_px = 7;
   e.creases = 40;
@@ -55,7 +54,6 @@ TEST(PoseScore, EveryContradictionCounts) {
   EXPECT_LT(worse([](Evidence& e) { e.supported = 120; }), best) << "surface beside the measured";
   EXPECT_LT(worse([](Evidence& e) { e.contours_supported = 60; }), best) << "outline on no edge";
   EXPECT_LT(worse([](Evidence& e) { e.contradicted = 20; }), best) << "free space violated";
-  EXPECT_LT(worse([](Evidence& e) { e.outline_steps = 20; }), best) << "no step at the outline";
   EXPECT_LT(worse([](Evidence& e) { e.creases_supported = 4; }), best) << "creases on no edge";
   EXPECT_LT(worse([](Evidence& e) { e.explained_mm2 = 60; }), best) << "hardly anything is seen";
   EXPECT_LT(worse([](Evidence& e) { e.hidden = 150; }), best) << "most of it is hidden";
@@ -70,18 +68,11 @@ TEST(PoseScore, MissingDepthSpeaksNeitherWay) {
   dull.hidden = 0;
   dull.measured = 150;
   dull.supported = 147;
-  dull.outline_steps = 55;
-  dull.outline_unseen = 40;
   Evidence shiny = dull;
   shiny.measured = 90;
   shiny.supported = 88.2;
   shiny.explained_mm2 *= 0.6;
-  shiny.outline_steps = 33;
-  shiny.outline_unseen = 64;
   EXPECT_NEAR(score_of(shiny), score_of(dull), 1e-3);
-  Evidence seen = shiny;
-  seen.outline_unseen = 40;
-  EXPECT_LT(score_of(seen), score_of(dull) - 0.02) << "depth around it, and no step";
   shiny.seen = Modality::kDepth;
   EXPECT_LT(score_of(shiny), score_of(dull) - 0.02) << "nothing stands in for depth";
 }
@@ -104,10 +95,9 @@ TEST(PoseScore, DepthAloneIsEnough) {
   e.creases_supported = 0;
   e.outline_matches = 0;
   e.outline_offset_px = 0;
-  e.contours_supported = e.outline_steps;
+  e.contours_supported = 80;
   EXPECT_GT(score_of(e), 0.8);
-  e.outline_steps = 30;  // the outline lies where nothing ends
-  e.contours_supported = 30;
+  e.contours_supported = 30;  // the outline lies where nothing ends
   EXPECT_LT(score_of(e), 0.8);
 }
 

@@ -25,7 +25,7 @@ train::TrainOptions quick_options() {
 }
 
 TEST(PileMaker, MakesTheSamePilesOnAnyNumberOfThreads) {
-  const PileMaker maker(bracket_part(), quick_options());
+  const PileMaker maker(bracket_part(), quick_options(), {});
   SerialPool one;
   ThreadPool two(2);
   const auto a = maker.make(2, 7, one);
@@ -44,7 +44,7 @@ TEST(PileMaker, MakesTheSamePilesOnAnyNumberOfThreads) {
 // trained for.
 TEST(PileMaker, TruthAndDepthAgreeInMillimetres) {
   const train::TrainOptions options = quick_options();
-  const PileMaker maker(bracket_part(), options);
+  const PileMaker maker(bracket_part(), options, {});
   SerialPool pool;
   int visible = 0;
   for (const SimulatedPile& pile : maker.make(2, 3, pool)) {

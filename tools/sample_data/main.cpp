@@ -6,11 +6,13 @@
 #include <exception>
 #include <filesystem>
 #include <numeric>
+#include <optional>
 
 #include "binpick/geometry/angle.hpp"
 #include "bop_writer.hpp"
 #include "mesh_files.hpp"
 #include "parts.hpp"
+#include "simulation/variation.hpp"
 
 namespace {
 
@@ -27,6 +29,7 @@ struct Options {
   double tilt_deg_max = 15;
   double shine = 1;
   double image_scale = 1;
+  std::optional<SensorKind> kind;  // varied
 };
 
 // Seeds of frames do not depend on how many frames are asked for.
@@ -37,12 +40,14 @@ std::uint64_t frame_seed(std::uint64_t seed, int scene, int frame) {
 }
 
 // The same view with so many times more pixels in a row, and as many more in a column.
-CameraParams camera_for(double scale) {
+CameraParams camera_of(const Options& options) {
   CameraParams camera;
+  const double scale = options.image_scale;
   camera.width = static_cast<int>(std::lround(camera.width * scale));
   camera.height = static_cast<int>(std::lround(camera.height * scale));
   for (double* focal : {&camera.fx, &camera.fy, &camera.bin_length_px}) *focal *= scale;
   for (double* middle : {&camera.cx, &camera.cy}) *middle = (*middle + 0.5) * scale - 0.5;
+  camera.tilt_max_rad = options.tilt_deg_max * binpick::kDegree;
   return camera;
 }
 
@@ -60,7 +65,12 @@ void write_scene(const Options& options, const FrameMaker& maker, int scene, int
                  const std::vector<std::size_t>& kinds) {
   SceneWriter writer(options.out, scene);
   for (int i = 0; i < frames; ++i) {
-    const Frame frame = maker.make(kinds, frame_seed(options.seed, scene, i));
+    const std::uint64_t seed = frame_seed(options.seed, scene, i);
+    Rng rng(~seed);
+    const Frame frame =
+        options.kind
+            ? maker.make(kinds, seed, varied_setting(camera_of(options), *options.kind, rng))
+            : maker.make(kinds, seed);
     writer.add(frame);
     int clear = 0;
     double visible_px = 0, measured_px = 0;
@@ -83,10 +93,9 @@ void run(const Options& options) {
       options.mesh_paths.empty() ? make_own_parts() : read_parts(options.mesh_paths);
   FrameParams params;
   params.part_count = options.part_count;
-  params.camera = camera_for(options.image_scale);
-  params.camera.tilt_max_rad = options.tilt_deg_max * binpick::kDegree;
-  params.sensor = sensor_for(options.shine);
-  write_models(options.out, parts, params.camera);
+  params.setting.camera = camera_of(options);
+  params.setting.sensor = sensor_for(options.shine);
+  write_models(options.out, parts, params.setting.camera);
   if (!options.cad_out.empty()) {
     std::filesystem::create_directories(options.cad_out);
     for (const auto& part : parts) {
@@ -128,6 +137,10 @@ int main(int argc, char** argv) {
   app.add_option("--shine", options.shine, "how much shinier than usual, and so with less depth")
       ->check(CLI::Range(1.0, 5.0))
       ->capture_default_str();
+  app.add_option_function<std::string>(
+         "--sensor-kind", [&](const std::string& name) { options.kind = sensor_kind_of(name); },
+         "a kind of sensor; its noise, the light, and the parts' finish and size vary then")
+      ->check(CLI::IsMember(sensor_kind_names()));
   app.add_option("--image-scale", options.image_scale, "pixels in a row, times the usual 1280")
       ->check(CLI::Range(0.25, 4.0))
       ->capture_default_str();
