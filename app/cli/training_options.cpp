@@ -37,11 +37,11 @@ void add_template_options(CLI::App& command, train::TrainOptions& options) {
         ->capture_default_str()
         ->group(group);
   };
-  add("--samples", options.samples, "Randomized renderings a template", 1, 100000);
+  add("--samples", options.samples, "Randomized renderings a template", 10, 2500);
   add("--gradient-threshold", options.gradient_threshold,
-      "Votes, of the samples, that a gradient orientation needs", 1, 100000);
+      "Share of the samples that has to vote for a gradient orientation", 0.0, 0.999);
   add("--normal-threshold", options.normal_threshold,
-      "Votes, of the samples, that a normal orientation needs", 1, 100000);
+      "Share of the samples that has to vote for a normal orientation", 0.0, 0.999);
   add("--tilt-jitter-deg", options.tilt_jitter_deg, "Samples tilt by up to this, +-", 0.0, 45.0);
   add("--roll-jitter-deg", options.roll_jitter_deg, "Samples roll by up to this, +-", 0.0, 45.0);
   add("--distance-jitter-mm", options.distance_jitter_mm, "Samples move by up to this, +-", 0.0,

@@ -27,10 +27,8 @@ struct CandidateTest {
 
   CandidateTest(const TrainOptions& options, float scale_in)
       : scale(scale_in),
-        gradient_threshold(static_cast<float>(options.gradient_threshold) /
-                           static_cast<float>(options.samples)),
-        normal_threshold(static_cast<float>(options.normal_threshold) /
-                         static_cast<float>(options.samples)) {}
+        gradient_threshold(static_cast<float>(options.gradient_threshold)),
+        normal_threshold(static_cast<float>(options.normal_threshold)) {}
 
   template <class T>
   void append(int x, int y, const T* gradient, const T* normal,

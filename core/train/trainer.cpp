@@ -22,10 +22,10 @@ void check_options(const TrainOptions& o) {
   require(o.tilt_max_deg > 0 && o.tilt_max_deg <= 180,
           "the tilt limit must lie in (0, 180] degrees");
   require(o.samples >= 10 && o.samples <= 2500, "the number of samples must lie in [10, 2500]");
-  require(o.gradient_threshold >= 0 && o.gradient_threshold < o.samples,
-          "the gradient threshold must lie between 0 and the number of samples");
-  require(o.normal_threshold >= 0 && o.normal_threshold < o.samples,
-          "the normal threshold must lie between 0 and the number of samples");
+  require(o.gradient_threshold >= 0 && o.gradient_threshold < 1,
+          "the gradient threshold is a share of the samples and must lie in [0, 1)");
+  require(o.normal_threshold >= 0 && o.normal_threshold < 1,
+          "the normal threshold is a share of the samples and must lie in [0, 1)");
   require(o.tilt_jitter_deg > 0.5 && o.tilt_jitter_deg <= 45,
           "the tilt jitter must lie in (0.5, 45] degrees");
   require(o.roll_jitter_deg > 0 && o.roll_jitter_deg <= 90,
@@ -51,6 +51,10 @@ Mesh centred(const Mesh& mesh, const Vec3& centre_mm) {
   return out;
 }
 
+std::int32_t votes_of(double share, int samples) {
+  return static_cast<std::int32_t>(std::lround(share * samples));
+}
+
 ModelInfo make_info(const ImportedMesh& part, const MeshBounds& bounds, const TrainOptions& o,
                     const TemplateCamera& camera) {
   ModelInfo info;
@@ -71,8 +75,8 @@ ModelInfo make_info(const ImportedMesh& part, const MeshBounds& bounds, const Tr
   info.roll_jitter_deg = o.roll_jitter_deg;
   info.distance_jitter_mm = o.distance_jitter_mm;
   info.samples = o.samples;
-  info.gradient_threshold = o.gradient_threshold;
-  info.normal_threshold = o.normal_threshold;
+  info.gradient_threshold = votes_of(o.gradient_threshold, o.samples);
+  info.normal_threshold = votes_of(o.normal_threshold, o.samples);
   info.base_level = camera.base_level;
   info.scan_depth = camera.scan_depth;
   info.depth_count = o.tree_depths;

@@ -271,8 +271,8 @@ TEST(TrainingKey, ChangesWithEveryOptionAndTheMesh) {
   expect_new(&T::distance_max_mm, 701.0);
   expect_new(&T::tilt_max_deg, 90.0);
   expect_new(&T::samples, 999);
-  expect_new(&T::gradient_threshold, 99);
-  expect_new(&T::normal_threshold, 199);
+  expect_new(&T::gradient_threshold, 0.15);
+  expect_new(&T::normal_threshold, 0.25);
   expect_new(&T::tilt_jitter_deg, 9.0);
   expect_new(&T::roll_jitter_deg, 7.0);
   expect_new(&T::distance_jitter_mm, 80.0);

@@ -61,9 +61,8 @@ class CliTest(unittest.TestCase):
         """Arguments of a training that is as short as it can be; `more` replaces some."""
         return ["train", mesh, "-o", output] + changed(
             more, {"--camera": "camera.json", "--unit": "mm", "--distance-mm": "300:400",
-                   "--tree-depths": "2", "--samples": "50", "--gradient-threshold": "5",
-                   "--normal-threshold": "10", "--threads": "2", "--calibration-piles": "0",
-                   "--test-piles": "0"})
+                   "--tree-depths": "2", "--samples": "50", "--threads": "2",
+                   "--calibration-piles": "0", "--test-piles": "0"})
 
     def detect(self, *more, model=None):
         return ["detect", "--model", model or self.model] + changed(
@@ -148,7 +147,9 @@ class TrainTest(CliTest):
 
     def test_values(self):
         for option, value in (("--tilt-deg", "200"), ("--tilt-deg", "-1"), ("--tilt-deg", "nan"),
-                              ("--samples", "0"), ("--samples", "many"), ("--threads", "0"),
+                              ("--samples", "0"), ("--samples", "many"),
+                              ("--gradient-threshold", "100"), ("--normal-threshold", "-1"),
+                              ("--threads", "0"),
                               ("--threads", "1000"), ("--tree-depths", "9"), ("--seed", "-3"),
                               ("--seed", "x"), ("--distance-mm", "700:500"),
                               ("--distance-mm", "500"), ("--unit", "furlong"),

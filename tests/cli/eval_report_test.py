@@ -14,8 +14,7 @@ import unittest
 from pathlib import Path
 
 SAMPLE = Path(__file__).resolve().parents[1] / "data" / "bin-sample"
-QUICK = ["--samples", "50", "--gradient-threshold", "5", "--normal-threshold", "10",
-         "--calibration-piles", "0"]
+QUICK = ["--samples", "50", "--calibration-piles", "0"]
 
 
 class EvalReportTest(unittest.TestCase):

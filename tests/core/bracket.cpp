@@ -58,8 +58,6 @@ TrainedModel train_bracket() {
   options.distance_max_mm = 540;
   options.tilt_max_deg = 50;
   options.samples = 40;
-  options.gradient_threshold = 4;
-  options.normal_threshold = 8;
   ThreadsPerCall pool(2);
   std::vector<std::uint8_t> bytes = train::train_model(bracket_part(), options, pool, {});
   Result<ObjectModel> model = ObjectModel::parse(bytes);
@@ -105,8 +103,6 @@ std::vector<std::uint8_t> tiny_model_bytes() {
   options.distance_min_mm = 460;
   options.distance_max_mm = 600;
   options.samples = 10;
-  options.gradient_threshold = 1;
-  options.normal_threshold = 2;
   options.tree_depths = 2;
   options.tilt_max_deg = 60;
   options.tilt_jitter_deg = 20;

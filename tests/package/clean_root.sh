@@ -52,8 +52,8 @@ in_root sh -c 'binpickd --check --config /usr/share/binpick/binpick.toml; test $
 mkdir -p "$root/srv"
 cp -r "$sample" "$root/srv/bins"
 in_root binpick train /srv/bins/models/obj_000001.ply -o /etc/binpick/tee.bpm --unit mm \
-  --camera /srv/bins/camera.json --distance-mm 710:770 --samples 50 --gradient-threshold 5 \
-  --normal-threshold 10 --calibration-piles 0 --test-piles 0 >/dev/null 2>&1
+  --camera /srv/bins/camera.json --distance-mm 710:770 --samples 50 \
+  --calibration-piles 0 --test-piles 0 >/dev/null 2>&1
 sed -e 's|^uri = .*|uri = "replay:/srv/bins"|' -e 's|^recipes = .*|recipes = ["tee.toml"]|' \
   -e 's|^port = .*|port = 15020|' -e 's|^bind = .*|bind = "127.0.0.1"|' \
   -e 's|^lock_required = .*|lock_required = false|' \

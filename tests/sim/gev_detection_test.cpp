@@ -30,8 +30,6 @@ std::vector<std::uint8_t> quick_model(const std::string& mesh_path, const Frame&
   options.distance_min_mm = static_cast<double>(near_mm);
   options.distance_max_mm = static_cast<double>(far_mm);
   options.samples = 20;
-  options.gradient_threshold = 2;
-  options.normal_threshold = 4;
   const auto part = train::import_mesh(mesh_path, train::LengthUnit::kMillimetre);
   return train::train_model(part, options, pool, {});
 }

@@ -28,8 +28,8 @@ Toy make_toy(int depths, double tilt_max_deg, double focal_px) {
   o.roll_interval_deg = 360.0 / (1 << depths);  // two rolls at the root
   o.camera.fx = o.camera.fy = focal_px;
   o.samples = 60;
-  o.gradient_threshold = 4;
-  o.normal_threshold = 6;
+  o.gradient_threshold = 4.0 / 60;
+  o.normal_threshold = 0.1;
   o.contour_features = 24;
   o.surface_features = 16;
   toy.tree = make_pose_tree(o);
@@ -118,9 +118,8 @@ std::vector<FeatureCandidate> gathered_candidates(const Toy& toy,
   const int half = toy.camera.radius >> k;
   const double votes = static_cast<double>(leaves.size()) * leaves[0]->votes * (1 << (2 * k));
   const float scale = 1.0f / static_cast<float>(votes);
-  const auto samples = static_cast<float>(toy.options.samples);
-  const float gradient_threshold = static_cast<float>(toy.options.gradient_threshold) / samples;
-  const float normal_threshold = static_cast<float>(toy.options.normal_threshold) / samples;
+  const auto gradient_threshold = static_cast<float>(toy.options.gradient_threshold);
+  const auto normal_threshold = static_cast<float>(toy.options.normal_threshold);
   const bool scanned = d <= toy.camera.scan_depth;
   std::vector<FeatureCandidate> out;
   for (int y = -half; y < half; ++y) {
@@ -208,8 +207,7 @@ TEST(Algorithm1Steps, AgreeWithNormalisingAtEveryStep) {
     means.emplace_back(h.gradient.bins.begin(), h.gradient.bins.end());
     for (double& m : means.back()) m /= h.votes;
   }
-  const double threshold =
-      static_cast<double>(toy.options.gradient_threshold) / toy.options.samples;
+  const double threshold = toy.options.gradient_threshold;
   int size = 2 * toy.camera.radius;
   for (int d = 1; d >= 0; --d, size /= 2) {
     const TreeLayer& layer = toy.tree.depths[d];

@@ -149,7 +149,6 @@ TEST(LeafAccumulator, CountsASurfaceOncePerSample) {
   TrainOptions options = toy_options();
   for (const int samples : {10, 1000, 2500}) {
     options.samples = samples;
-    options.gradient_threshold = options.normal_threshold = 1;
     const LeafHistograms h = accumulate(facing_plane(), options, 64, 20);
     double sum = 0;
     int cells = 0;

@@ -92,9 +92,8 @@ template <class T, class U>
 void compare(const HistogramGrid<T>& gradient_a, const HistogramGrid<T>& normal_a, float scale_a,
              const HistogramGrid<U>& gradient_b, const HistogramGrid<U>& normal_b,
              const TrainOptions& options, Agreement& out) {
-  const auto samples = static_cast<float>(options.samples);
-  const float gradient_threshold = static_cast<float>(options.gradient_threshold) / samples;
-  const float normal_threshold = static_cast<float>(options.normal_threshold) / samples;
+  const auto gradient_threshold = static_cast<float>(options.gradient_threshold);
+  const auto normal_threshold = static_cast<float>(options.normal_threshold);
   for (int y = 0; y < normal_a.size; ++y) {
     for (int x = 0; x < normal_a.size; ++x) {
       const int gx = 2 * x, gy = 2 * y;

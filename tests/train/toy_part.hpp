@@ -71,8 +71,6 @@ inline TrainOptions small_options() {
   options.tilt_max_deg = 22;  // seven leaves: one from above, six from beside it
   options.roll_interval_deg = 30;
   options.samples = 30;
-  options.gradient_threshold = 3;
-  options.normal_threshold = 6;
   return options;
 }
 

@@ -17,8 +17,6 @@ train::TrainOptions quick_options() {
   options.distance_min_mm = 420;
   options.distance_max_mm = 560;
   options.samples = 20;
-  options.gradient_threshold = 2;
-  options.normal_threshold = 4;
   options.roll_interval_deg = 10;
   options.tree_depths = 3;
   return options;

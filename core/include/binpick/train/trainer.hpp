@@ -25,9 +25,10 @@ struct TrainOptions {
   double tilt_max_deg =
       180;  // viewpoints within this angle of the object's +z axis; 180: all around
   // PCOF-MOD (section III-A)
-  int samples = 1000;              // N, randomized renderings per template
-  int gradient_threshold = 100;    // Th of the gradient histograms, of `samples`
-  int normal_threshold = 200;      // Th of the normal histograms, of `samples`
+  int samples = 1000;  // N, randomized renderings per template
+  // Th of the gradient and the normal histograms: the share of the samples that has to vote for a
+  // bin. The paper's 100 and 200 of 1000.
+  double gradient_threshold = 0.1, normal_threshold = 0.2;
   double tilt_jitter_deg = 10;     // +- around x and y
   double roll_jitter_deg = 7.5;    // +- around the optical axis
   double distance_jitter_mm = 90;  // +-
