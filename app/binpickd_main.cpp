@@ -10,6 +10,7 @@
 #include "daemon/thread_setup.hpp"
 #include "exit_status.hpp"
 #include "sensor/sensor_spec.hpp"
+#include "standard_output.hpp"
 
 namespace binpick::app {
 namespace {
@@ -78,7 +79,9 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   using namespace binpick;
   try {
-    return app::run(argc, argv);
+    const int status = app::run(argc, argv);
+    app::flush_standard_output();
+    return status;
   } catch (const std::exception& e) {
     return app::report(app::status_of(e), app::text_of(e));
   }

@@ -2,6 +2,7 @@
 // stations as their PLC does.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -9,6 +10,7 @@
 #include "binpick/train/errors.hpp"
 #include "cli/commands.hpp"
 #include "exit_status.hpp"
+#include "standard_output.hpp"
 
 namespace binpick::app {
 namespace {
@@ -59,8 +61,12 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace binpick;
+  // A limit on the size of files is then an error of the write, with a message, and not a signal.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
-    return app::run(argc, argv);
+    const int status = app::run(argc, argv);
+    app::flush_standard_output();
+    return status;
   } catch (const train::ImportError& e) {
     return app::report(app::kCannotStart, e.what());
   } catch (const std::exception& e) {

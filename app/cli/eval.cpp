@@ -25,6 +25,7 @@
 #include "eval/sweep_tables.hpp"
 #include "eval/table.hpp"
 #include "replace_file.hpp"
+#include "setup_error.hpp"
 #include "thread_pool.hpp"
 
 namespace binpick::app {
@@ -163,11 +164,13 @@ Outcome search(Session& s) {
   return out;
 }
 
+std::string report_path(const Options& options) {
+  return (std::filesystem::path(options.report) / "report.html").string();
+}
+
 void write_report(const Session& s, ReportContent content, const std::vector<ResultRow>& rows) {
-  std::filesystem::create_directories(s.options.report);
   content.pictures = worst_pictures(s.dataset, s.plan, s.parts, content.score, rows, kPicturesMax);
-  write_text((std::filesystem::path(s.options.report) / "report.html").string(),
-             report_html(content));
+  write_text(report_path(s.options), report_html(content));
 }
 
 std::vector<SweepCurves> curves_of(const Session& s, const Outcome& outcome,
@@ -179,7 +182,18 @@ std::vector<SweepCurves> curves_of(const Session& s, const Outcome& outcome,
   return curves;
 }
 
+// Before long work: whether there is a place for its results.
+void check_outputs(const Options& options) {
+  if (!options.json.empty()) check_replaceable(options.json);
+  if (options.report.empty()) return;
+  std::error_code error;
+  std::filesystem::create_directories(options.report, error);
+  if (error) throw SetupError(options.report + ": cannot be made: " + error.message());
+  check_replaceable(report_path(options));
+}
+
 int run(const Options& options) {
+  check_outputs(options);
   Session s(options);
   for (const std::string& fault : s.plan.faults) s.talk.note(fault);
   const Outcome outcome = search(s);

@@ -14,6 +14,7 @@
 #include "plc/plc_session.hpp"
 #include "plc/soak.hpp"
 #include "setup_error.hpp"
+#include "standard_output.hpp"
 
 namespace binpick::app {
 namespace {
@@ -114,7 +115,7 @@ int watch(plc::PlcSession& session, const PlcArguments& arguments) {
       if (a.result_sequence != last.result_sequence && a.page_pick_count > 0) {
         plc::print_picks(seen->decoded, seen->registers);
       }
-      std::fflush(stdout);
+      flush_standard_output();
       last = a;
     }
     pause_ms(arguments.soak.poll_ms);

@@ -29,6 +29,7 @@ std::set<int> objects_of(const TruthByFrame& truth) {
 }
 
 void run(const Options& options) {
+  if (!options.json.empty() && options.json != "-") check_replaceable(options.json);
   const drivers::BopDataset dataset(options.dataset, options.split);
   std::set<int> scenes = parse_id_list("--scenes", options.scenes);
   if (scenes.empty()) scenes.insert(dataset.scene_ids().begin(), dataset.scene_ids().end());

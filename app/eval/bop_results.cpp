@@ -1,8 +1,10 @@
 #include "eval/bop_results.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <string_view>
 
 namespace binpick::app {
@@ -76,8 +78,8 @@ bool parse_row(const std::vector<std::string_view>& cells, ResultRow& row, const
 }  // namespace
 
 BopResultsWriter::BopResultsWriter(const std::string& path) : path_(path), file_(path) {
-  if (!file_) throw DatasetError(path + ": cannot be written");
-  file_ << kHeader << '\n';
+  file_ << kHeader << '\n' << std::flush;
+  if (!file_) throw DatasetError(path + ": cannot be written: " + std::strerror(errno));
 }
 
 void BopResultsWriter::add(const ResultRow& row) {

@@ -1,16 +1,18 @@
 #include "eval/evidence_csv.hpp"
 
+#include <cerrno>
+#include <cstring>
 #include <limits>
 
 namespace binpick::app {
 
 EvidenceWriter::EvidenceWriter(const std::string& path) : path_(path), file_(path) {
-  if (!file_) throw drivers::DatasetError(path + ": cannot be written");
   file_.precision(std::numeric_limits<float>::max_digits10);
   file_ << "scene_id,im_id,obj_id,score,R,t";
   for (int i = 0; i < kScoreTermCount; ++i)
     file_ << ',' << score_term_name(static_cast<ScoreTerm>(i));
-  file_ << '\n';
+  file_ << '\n' << std::flush;
+  if (!file_) throw drivers::DatasetError(path + ": cannot be written: " + std::strerror(errno));
 }
 
 void EvidenceWriter::add(const ResultRow& row, const ScoreTerms& terms) {

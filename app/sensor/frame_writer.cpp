@@ -1,7 +1,11 @@
 #include "sensor/frame_writer.hpp"
 
+#include <cerrno>
 #include <cmath>
+#include <cstring>
+#include <fstream>
 #include <opencv2/imgcodecs.hpp>
+#include <vector>
 
 #include "replace_file.hpp"
 #include "setup_error.hpp"
@@ -11,13 +15,15 @@ namespace fs = std::filesystem;
 namespace binpick::app {
 namespace {
 
+// Not by cv::imwrite, which does not look whether the last bytes reached the disk.
 void write_image(const fs::path& path, const cv::Mat& image) {
-  bool written = false;
-  try {
-    written = cv::imwrite(path.string(), image);
-  } catch (const cv::Exception&) {
-  }
-  if (!written) throw SetupError(path.string() + ": cannot be written");
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", image, bytes);
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) throw SetupError(path.string() + ": cannot be written: " + std::strerror(errno));
 }
 
 }  // namespace
