@@ -6,6 +6,7 @@
 
 #include "binpick/drivers/depth_code.hpp"
 #include "binpick/drivers/loaded_frame.hpp"
+#include "replay/image_end.hpp"
 
 namespace binpick::drivers {
 namespace {
@@ -14,13 +15,17 @@ cv::Mat decode(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     throw DatasetError(path + ": there is no such file");
+  if (ends_too_early(path)) {
+    throw DatasetError(path + ": the file was cut short; copy or save it again");
+  }
   cv::Mat image;
   try {
     image = cv::imread(path, cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception& e) {
     throw DatasetError(path + ": cannot be decoded (" + e.err + ")");
   }
-  if (image.empty()) throw DatasetError(path + ": is not an image that can be decoded");
+  if (image.empty())
+    throw DatasetError(path + ": is not an image that can be decoded, or is damaged");
   return image;
 }
 
