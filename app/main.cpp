@@ -69,6 +69,8 @@ int main(int argc, char** argv) {
     return status;
   } catch (const train::ImportError& e) {
     return app::report(app::kCannotStart, e.what());
+  } catch (const train::TrainError& e) {
+    return app::report(app::kCannotStart, e.what());
   } catch (const std::exception& e) {
     return app::report(app::status_of(e), app::text_of(e));
   }

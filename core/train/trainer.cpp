@@ -1,5 +1,6 @@
 #include "binpick/train/trainer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -13,6 +14,8 @@ namespace {
 void require(bool ok, const std::string& sentence) {
   if (!ok) throw TrainError(sentence);
 }
+
+constexpr int kFeaturesMin = 8;  // of a leaf's template, below which it matches anything
 
 void check_options(const TrainOptions& o) {
   require(o.camera.valid(), "the camera's focal lengths must be positive and finite");
@@ -40,9 +43,26 @@ void check_options(const TrainOptions& o) {
   require(o.tree_depths >= 2 && o.tree_depths <= kModelDepthsMax,
           "the pose tree must have 2 to 4 depths");
   require(o.contour_features >= 0 && o.surface_features >= 0 &&
-              o.contour_features + o.surface_features >= 8 &&
+              o.contour_features + o.surface_features >= kFeaturesMin &&
               o.contour_features + o.surface_features <= 255,
           "a template must have 8 to 255 features");
+}
+
+// A template without features matches nothing, and nobody would see why.
+void check_features(const TemplateSet& templates, int scan_depth) {
+  const int leaf = static_cast<int>(templates.depths.size()) - 1;
+  for (int d = scan_depth; d <= leaf; ++d) {
+    const auto& depth = templates.depths[static_cast<std::size_t>(d)];
+    const std::size_t needed = d == leaf ? kFeaturesMin : 1;
+    const auto poor = static_cast<std::size_t>(std::count_if(
+        depth.begin(), depth.end(), [&](const auto& t) { return t.size() < needed; }));
+    require(2 * poor <= depth.size(),
+            "the model has no usable features: " + std::to_string(poor) + " of " +
+                std::to_string(depth.size()) + " templates at depth " + std::to_string(d) +
+                " have fewer than " + std::to_string(needed) +
+                "; lower the vote thresholds, or train for distances at which the part is larger "
+                "in the image");
+  }
 }
 
 Mesh centred(const Mesh& mesh, const Vec3& centre_mm) {
@@ -111,6 +131,7 @@ std::vector<std::uint8_t> train_model(const ImportedMesh& part, const TrainOptio
   const std::vector<ViewSamples> views = make_view_samples(mesh, tree, camera, pool);
   const TemplateSet templates =
       build_templates(tree, samples, camera, options, pool, share_of(progress, 0.3, 1));
+  check_features(templates, camera.scan_depth);
   if (progress) progress(1);
   return write_model(make_info(part, bounds, options, camera), tree, templates, views, symmetry);
 }

@@ -157,6 +157,10 @@ class TrainTest(CliTest):
             with self.subTest(option=option, value=value):
                 self.refused_training(USAGE, [option], f"{option}={value}")
 
+    def test_models_that_could_find_nothing(self):
+        self.refused_training(CANNOT_START, ["no usable features", "thresholds"],
+                              "--gradient-threshold", "0.999", "--normal-threshold", "0.999")
+
     def test_output(self):
         self.refused(CANNOT_START, ["nowhere/new.bpm"], *self.train("nowhere/new.bpm"))
         self.refused(CANNOT_START, [str(self.folder)], *self.train(self.folder))

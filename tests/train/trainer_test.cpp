@@ -95,6 +95,7 @@ TEST(Trainer, NamesTheOptionThatIsOutOfRange) {
       {"tilt limit", [=](O& o) { o.tilt_max_deg = nan; }},
       {"number of samples", [](O& o) { o.samples = 9; }},
       {"number of samples", [](O& o) { o.samples = 2501; }},
+      {"no usable features", [](O& o) { o.gradient_threshold = o.normal_threshold = 0.999; }},
       {"gradient threshold", [](O& o) { o.gradient_threshold = -1; }},
       {"gradient threshold", [](O& o) { o.gradient_threshold = 1; }},
       {"normal threshold", [](O& o) { o.normal_threshold = -1; }},
