@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "cli/model_summary.hpp"
+
 namespace binpick::app {
 namespace {
 
@@ -102,11 +104,13 @@ std::string near_symmetry_list() {
 }
 
 train::LengthUnit parse_unit(const std::string& option, const std::string& text) {
-  if (text.empty()) return train::LengthUnit::kGuess;
-  if (text == "mm") return train::LengthUnit::kMillimetre;
-  if (text == "m") return train::LengthUnit::kMetre;
-  if (text == "inch") return train::LengthUnit::kInch;
-  refuse(option, text, "expected mm, m or inch");
+  using Unit = train::LengthUnit;
+  if (text.empty()) return Unit::kOfFile;
+  for (const Unit unit : {Unit::kMillimetre, Unit::kMetre, Unit::kInch, Unit::kCentimetre,
+                          Unit::kFoot, Unit::kMicrometre}) {
+    if (text == unit_name(static_cast<int>(unit))) return unit;
+  }
+  refuse(option, text, "expected mm, m, inch, cm, ft or um");
 }
 
 std::string size_text(int width, int height) {

@@ -48,13 +48,11 @@ NamedFrame load_frame(const DetectArguments& arguments) {
 // The CAD files that outlines are drawn from, each in the unit that its model was trained with.
 std::vector<train::Mesh> load_meshes(const DetectArguments& arguments,
                                      std::span<const ModelFile> files) {
-  constexpr train::LengthUnit kUnits[] = {train::LengthUnit::kGuess, train::LengthUnit::kMillimetre,
-                                          train::LengthUnit::kMetre, train::LengthUnit::kInch};
   std::vector<train::Mesh> meshes;
   for (std::size_t i = 0; i < arguments.meshes.size(); ++i) {
     const ModelInfo& info = files[i].model().info();
-    const auto unit = kUnits[std::clamp(info.source_unit, 0, 3)];
-    train::ImportedMesh imported = train::import_mesh(arguments.meshes[i], unit);
+    train::ImportedMesh imported =
+        train::import_mesh(arguments.meshes[i], train::unit_of_number(info.source_unit));
     if (imported.source_hash != info.source_hash) {
       std::fprintf(stderr, "binpick: warning: %s is not the CAD file that %s was trained from\n",
                    arguments.meshes[i].c_str(), files[i].path().c_str());

@@ -50,8 +50,9 @@ const char* codebook_name(NormalCodebook codebook) {
 }
 
 const char* unit_name(int source_unit) {
-  constexpr const char* kNames[] = {"mm (guessed)", "mm", "m", "inch"};
-  return source_unit >= 0 && source_unit < 4 ? kNames[source_unit] : "unknown";
+  constexpr const char* kNames[] = {"unknown", "mm", "m",  "inch",
+                                    "cm",      "ft", "um", "the file's own"};
+  return source_unit >= 0 && source_unit < 8 ? kNames[source_unit] : "unknown";
 }
 
 }  // namespace binpick::app

@@ -81,7 +81,9 @@ void add_train_command(CLI::App& app, int& exit_status) {
   auto arguments = std::make_shared<TrainArguments>();
   CLI::App& command = *app.add_subcommand("train", "Learn a part from its CAD file");
   train::TrainOptions& options = arguments->options;
-  command.add_option("MESH", arguments->mesh, "CAD file: STL, PLY, OBJ, glTF, ...")->required();
+  command
+      .add_option("MESH", arguments->mesh, "CAD file: STL, PLY, OBJ, 3MF, COLLADA, FBX, glTF, ...")
+      ->required();
   command.add_option("-o,--output", arguments->output, "Model file to write")->required();
   command.add_option("--camera", arguments->camera,
                      "Camera file: JSON with fx, fy, cx, cy (or cam_K), width, height");
@@ -92,7 +94,9 @@ void add_train_command(CLI::App& app, int& exit_status) {
                   "Viewpoints within this angle of the part's +z axis; 180: all around")
       ->check(number_between(0.0, 180.0))
       ->capture_default_str();
-  command.add_option("--unit", arguments->unit, "Unit of the CAD file: mm, m or inch [guessed]");
+  command.add_option("--unit", arguments->unit,
+                     "Unit of the CAD file: mm, cm, m, inch, ft or um [what the file says; guessed "
+                     "where its format has no unit: STL, PLY, OBJ]");
   command.add_option("--threads", arguments->threads, "Threads to use")
       ->check(number_between(1, 256))
       ->capture_default_str();

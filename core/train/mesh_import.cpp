@@ -5,11 +5,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <iterator>
 #include <memory>
 
@@ -31,18 +30,6 @@ std::string length_text(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", value);
   return text;
-}
-
-char lower_case(char c) {
-  return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-}
-
-std::string extension_of(const std::string& path) {
-  const std::size_t dot = path.find_last_of("./");
-  if (dot == std::string::npos || path[dot] != '.') return "";
-  std::string extension = path.substr(dot + 1);
-  std::transform(extension.begin(), extension.end(), extension.begin(), lower_case);
-  return extension;
 }
 
 // What is no file, or too large a one, is refused before a reader sees it.
@@ -78,27 +65,6 @@ void refuse_solid_models(const std::string& path) {
   }
 }
 
-// assimp takes what there is of an STL text that was cut short, and half a part looks like a part.
-void refuse_half_stl(const std::string& path) {
-  if (extension_of(path) != "stl") return;
-  std::ifstream file(path, std::ios::binary);
-  char head[84] = "";
-  file.read(head, sizeof head);
-  std::uint32_t triangles_count = 0;
-  std::memcpy(&triangles_count, head + 80, sizeof triangles_count);
-  file.clear();
-  file.seekg(0, std::ios::end);
-  const std::streamoff size = file.tellg();
-  const bool binary = size == 84 + 50 * std::streamoff{triangles_count};
-  if (binary || std::memcmp(head, "solid", 5) != 0) return;
-  file.seekg(std::max<std::streamoff>(0, size - 1000));
-  std::string tail(std::istreambuf_iterator<char>(file), {});
-  std::transform(tail.begin(), tail.end(), tail.begin(), lower_case);
-  if (tail.find("endsolid") == std::string::npos) {
-    throw ImportError("the file ends without the word endsolid, so it was cut short");
-  }
-}
-
 double largest_extent(const Mesh& mesh) {
   Vec3 low = mesh.vertices_mm[0].cast<double>(), high = low;
   for (const Eigen::Vector3f& vertex : mesh.vertices_mm) {
@@ -108,40 +74,60 @@ double largest_extent(const Mesh& mesh) {
   return (high - low).maxCoeff();
 }
 
-LengthUnit guess_unit(const std::string& path, double extent, std::vector<std::string>& notes) {
-  const std::string extension = extension_of(path);
-  if (extension == "gltf" || extension == "glb") {
-    notes.push_back("Unit not given; metres, as glTF prescribes.");
-    return LengthUnit::kMetre;
+struct UnitSize {
+  LengthUnit unit;
+  const char* name;
+  double mm;
+};
+constexpr UnitSize kUnits[] = {
+    {LengthUnit::kMillimetre, "mm", 1}, {LengthUnit::kMetre, "m", 1000},
+    {LengthUnit::kInch, "inch", 25.4},  {LengthUnit::kCentimetre, "cm", 10},
+    {LengthUnit::kFoot, "ft", 304.8},   {LengthUnit::kMicrometre, "um", 0.001}};
+constexpr double kSameUnit = 1e-6;  // files keep a unit's size as a float at least
+
+UnitSize size_of(LengthUnit unit) {
+  return *std::find_if(std::begin(kUnits), std::end(kUnits),
+                       [&](const UnitSize& u) { return u.unit == unit; });
+}
+
+UnitSize unit_of_file(double mm) {
+  for (const UnitSize& u : kUnits) {
+    if (std::abs(mm - u.mm) <= kSameUnit * u.mm) return u;
   }
+  return {LengthUnit::kOther, "a unit of its own", mm};
+}
+
+// Where the file does not say.
+UnitSize guessed_unit(double extent, std::vector<std::string>& notes) {
   const bool metres = extent < kMetreExtentMax;
   notes.push_back(std::string("Unit not given; guessed ") + (metres ? "metres" : "millimetres") +
                   ", since the largest extent is " + length_text(extent) + ".");
-  return metres ? LengthUnit::kMetre : LengthUnit::kMillimetre;
+  return size_of(metres ? LengthUnit::kMetre : LengthUnit::kMillimetre);
 }
 
-double millimetres_in(LengthUnit unit) {
-  switch (unit) {
-    case LengthUnit::kMetre:
-      return 1000;
-    case LengthUnit::kInch:
-      return 25.4;
-    case LengthUnit::kGuess:
-    case LengthUnit::kMillimetre:
-      break;
+UnitSize choose_unit(LengthUnit asked, double file_mm, double extent,
+                     std::vector<std::string>& notes) {
+  if (file_mm == 0) {
+    return asked == LengthUnit::kOfFile ? guessed_unit(extent, notes) : size_of(asked);
   }
-  return 1;
+  const UnitSize of_file = unit_of_file(file_mm);
+  if (asked == LengthUnit::kOfFile || asked == of_file.unit) return of_file;
+  const UnitSize chosen = size_of(asked);
+  notes.push_back(std::string("The file says that its unit is ") + of_file.name + " (" +
+                  length_text(of_file.mm) + " mm); it is taken as " + chosen.name + ", as asked.");
+  return chosen;
 }
 
-void scale_to_mm(Mesh& mesh, double extent, LengthUnit unit) {
-  const double extent_mm = extent * millimetres_in(unit);
+void scale_to_mm(Mesh& mesh, double extent, const UnitSize& unit) {
+  const double extent_mm = extent * unit.mm;
   if (!(extent_mm >= kExtentMin_mm && extent_mm <= kExtentMax_mm)) {
     throw ImportError("its largest extent is " + length_text(extent_mm) +
                       " mm and has to be within " + length_text(kExtentMin_mm) + " and " +
-                      length_text(kExtentMax_mm) + " mm; is the unit right?");
+                      length_text(kExtentMax_mm) + " mm; is the unit right? It is taken as " +
+                      unit.name);
   }
   for (Eigen::Vector3f& vertex : mesh.vertices_mm) {
-    vertex = (vertex.cast<double>() * millimetres_in(unit)).cast<float>();
+    vertex = (vertex.cast<double>() * unit.mm).cast<float>();
   }
 }
 
@@ -149,18 +135,16 @@ ImportedMesh import_file(const std::string& path, LengthUnit unit) {
   ImportedMesh imported;
   imported.source_hash = hash_of_file(path);
   refuse_solid_models(path);
-  refuse_half_stl(path);
   FileContent content = read_in_child(read_with_assimp, path, ChildLimits{});
-  if (!content.complaints.empty()) {
-    imported.notes.push_back("The reader complains: " + content.complaints + ".");
-  }
+  if (!content.remarks.empty()) imported.notes.push_back(content.remarks + ".");
   if (content.skipped_count > 0) {
     imported.notes.push_back(std::to_string(content.skipped_count) + " points or lines left out.");
   }
   imported.mesh = clean_mesh(std::move(content.mesh), imported.notes);
   const double extent = largest_extent(imported.mesh);
-  imported.unit = unit == LengthUnit::kGuess ? guess_unit(path, extent, imported.notes) : unit;
-  scale_to_mm(imported.mesh, extent, imported.unit);
+  const UnitSize chosen = choose_unit(unit, content.mm_per_unit, extent, imported.notes);
+  imported.unit = chosen.unit;
+  scale_to_mm(imported.mesh, extent, chosen);
   return imported;
 }
 

@@ -36,10 +36,11 @@ enum Outcome : std::uint32_t { kRead, kFault, kOutOfMemory };
 struct ResultHeader {
   std::uint32_t magic = kMagic;
   std::uint32_t outcome = 0;
-  std::uint64_t text_bytes = 0;  // the fault; of a file that was read, the reader's complaints
+  std::uint64_t text_bytes = 0;  // the fault; of a file that was read, the reader's remarks
   std::uint64_t vertices_count = 0;
   std::uint64_t triangles_count = 0;
   std::uint64_t skipped_count = 0;
+  double mm_per_unit = 0;
 };
 
 // From here to run_child: what happens inside the reading process.
@@ -102,12 +103,13 @@ void confine(const ChildLimits& limits) {
   try {
     const FileContent content = reader(path);
     ResultHeader header;
-    header.text_bytes = std::min<std::uint64_t>(content.complaints.size(), kTextBytesMax);
+    header.text_bytes = std::min<std::uint64_t>(content.remarks.size(), kTextBytesMax);
     header.vertices_count = content.mesh.vertices_mm.size();
     header.triangles_count = content.mesh.triangles.size();
     header.skipped_count = content.skipped_count;
+    header.mm_per_unit = content.mm_per_unit;
     write_all(fd, &header, sizeof header);
-    write_all(fd, content.complaints.data(), header.text_bytes);
+    write_all(fd, content.remarks.data(), header.text_bytes);
     write_all(fd, content.mesh.vertices_mm.data(), 12 * header.vertices_count);
     write_all(fd, content.mesh.triangles.data(), 12 * header.triangles_count);
     _exit(0);
@@ -243,16 +245,17 @@ FileContent read_in_child(FileReader reader, const std::string& path, const Chil
                       " MiB of memory");
   }
   FileContent content;
-  content.complaints.resize(header.text_bytes);
-  child.read_all(content.complaints.data(), header.text_bytes);
-  make_printable(content.complaints);
+  content.remarks.resize(header.text_bytes);
+  child.read_all(content.remarks.data(), header.text_bytes);
+  make_printable(content.remarks);
   if (header.outcome == kFault) {
-    throw ImportError(content.complaints.empty() ? "no reason given" : content.complaints);
+    throw ImportError(content.remarks.empty() ? "no reason given" : content.remarks);
   }
   if (header.vertices_count > kVerticesMax || header.triangles_count > kTrianglesMax) {
     throw ImportError("it has more than " + std::to_string(kTrianglesMax) + " triangles");
   }
   content.skipped_count = header.skipped_count;
+  content.mm_per_unit = header.mm_per_unit;
   content.mesh.vertices_mm.resize(header.vertices_count);
   content.mesh.triangles.resize(header.triangles_count);
   child.read_all(content.mesh.vertices_mm.data(), 12 * header.vertices_count);

@@ -3,13 +3,20 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/LogStream.hpp>
+#include <cctype>
+#include <fstream>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
 #include "binpick/train/errors.hpp"
+#include "file_frame.hpp"
+#include "ply_input.hpp"
+#include "stl_input.hpp"
 
 namespace binpick::train {
 namespace {
@@ -85,22 +92,63 @@ void append_nodes(const aiScene& scene, FileContent& content) {
   }
 }
 
+void add_remark(const std::string& sentence, std::string& remarks) {
+  if (sentence.empty()) return;
+  remarks += (remarks.empty() ? "" : ". ") + sentence;
+}
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(std::istreambuf_iterator<char>(file), {});
+  if (!file) throw ImportError("it cannot be read");
+  return bytes;
+}
+
+// Files that assimp reads wrongly, or takes for whole when they are not, are put right in memory.
+const aiScene* read_scene(Assimp::Importer& importer, const std::string& path,
+                          std::string& remarks) {
+  const std::string extension = extension_of(path);
+  if (extension != "ply" && extension != "stl") return importer.ReadFile(path, 0);
+  std::string bytes = bytes_of(path);
+  if (extension == "ply") complete_ply(bytes);
+  if (extension == "stl") add_remark(complete_stl(bytes), remarks);
+  return importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, extension.c_str());
+}
+
 }  // namespace
+
+std::string extension_of(const std::string& path) {
+  const std::size_t dot = path.find_last_of("./");
+  if (dot == std::string::npos || path[dot] != '.') return "";
+  std::string extension = path.substr(dot + 1);
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](char c) {
+    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  });
+  return extension;
+}
 
 FileContent read_with_assimp(const std::string& path) {
   Complaints complaints;
   Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0)
       ->attachStream(&complaints, Assimp::Logger::Err);
   Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(path, 0);
+  FileContent content;
+  const aiScene* scene = read_scene(importer, path, content.remarks);
   Assimp::DefaultLogger::get()->detachStream(&complaints, Assimp::Logger::Err);
   if (scene == nullptr) throw ImportError(importer.GetErrorString());
   if (complaints.text.find("out of range") != std::string::npos) throw ImportError(complaints.text);
+  if (!complaints.text.empty()) {
+    add_remark("The reader complains: " + complaints.text, content.remarks);
+  }
   check_indices(*scene);
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr) throw ImportError("its polygons cannot be split into triangles");
-  FileContent content;
-  content.complaints = complaints.text;
+  // The scene is the importer's, which hands it out as a constant; nobody else looks at it.
+  const FileFrame frame = apply_file_frame(path, const_cast<aiScene&>(*scene));
+  content.mm_per_unit = frame.mm_per_unit;
+  if (frame.turned) {
+    add_remark("Its z axis is not up: the part is turned so that z is", content.remarks);
+  }
   append_nodes(*scene, content);
   return content;
 }

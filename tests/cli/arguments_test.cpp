@@ -49,12 +49,16 @@ TEST(Arguments, FrameIsSceneAndImage) {
   }
 }
 
-TEST(Arguments, UnitIsGuessedWhenItIsNotGiven) {
-  EXPECT_EQ(parse_unit("--option", ""), train::LengthUnit::kGuess);
+TEST(Arguments, UnitIsThatOfTheFileWhenItIsNotGiven) {
+  EXPECT_EQ(parse_unit("--option", ""), train::LengthUnit::kOfFile);
   EXPECT_EQ(parse_unit("--option", "mm"), train::LengthUnit::kMillimetre);
   EXPECT_EQ(parse_unit("--option", "m"), train::LengthUnit::kMetre);
   EXPECT_EQ(parse_unit("--option", "inch"), train::LengthUnit::kInch);
-  for (const char* text : {"cm", "MM", "inches"}) expect_refused(parse_unit, text);
+  EXPECT_EQ(parse_unit("--option", "cm"), train::LengthUnit::kCentimetre);
+  EXPECT_EQ(parse_unit("--option", "ft"), train::LengthUnit::kFoot);
+  EXPECT_EQ(parse_unit("--option", "um"), train::LengthUnit::kMicrometre);
+  for (const char* text : {"MM", "inches", "unknown", "the file's own"})
+    expect_refused(parse_unit, text);
 }
 
 TEST(Arguments, IsaHasToBeKnown) {

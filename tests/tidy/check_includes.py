@@ -2,7 +2,7 @@
 """Who may include whom. Prints one line a breach; the exit status is 1 when there is any.
 
 core/        the C++ library without files, clocks, threads and printing; Eigen; Highway
-core/train/  core, the whole C++ library, POSIX, assimp, OSMesa
+core/train/  core, the whole C++ library, POSIX, assimp, minizip, pugixml, OSMesa
 core/diagnosis/  core, and the libraries that core may use but for Highway; core does not know it
 drivers/     of core only base, frame and geometry; image and JSON libraries; never app;
              Aravis in drivers/aravis/, libusb in drivers/usb/, Highway in drivers/genicam/
@@ -23,7 +23,8 @@ LIBRARIES = {  # first part of the path -> library
     "Eigen": "Eigen", "hwy": "Highway", "assimp": "assimp", "GL": "OSMesa",
     "opencv2": "OpenCV", "nlohmann": "nlohmann", "CLI": "CLI11", "gtest": "GoogleTest",
     "gmock": "GoogleTest", "arv.h": "Aravis", "libusb.h": "libusb", "toml++": "tomlplusplus",
-    "modbus.h": "libmodbus", "zlib.h": "zlib",
+    "modbus.h": "libmodbus", "zlib.h": "zlib", "unzip.h": "minizip", "zip.h": "minizip",
+    "pugixml.hpp": "pugixml",
     "btBulletDynamicsCommon.h": "Bullet", "LinearMath": "Bullet",
 }
 POSIX = ("sys", "unistd.h", "fcntl.h", "pthread.h", "signal.h", "poll.h", "dirent.h", "errno.h",
@@ -40,7 +41,7 @@ CORE_EXCEPTIONS = {("core/base/assert.cpp", "cstdio")}  # the last words before 
 
 ALLOWED_LIBRARIES = {
     "core": {"std", "Eigen", "Highway"},
-    "train": {"std", "POSIX", "Eigen", "assimp", "OSMesa"},
+    "train": {"std", "POSIX", "Eigen", "assimp", "minizip", "pugixml", "OSMesa"},
     "diagnosis": {"std", "Eigen"},
     "drivers": {"std", "POSIX", "Eigen", "Highway", "OpenCV", "nlohmann", "Aravis", "libusb"},
     "app": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "CLI11", "tomlplusplus", "libmodbus",

@@ -40,7 +40,7 @@ TEST(ReadInChild, DeliversWhatTheReaderFound) {
   EXPECT_EQ(content.mesh.vertices_mm, tetrahedron().vertices_mm);
   EXPECT_EQ(content.mesh.triangles, tetrahedron().triangles);
   EXPECT_EQ(content.skipped_count, 4u);
-  EXPECT_EQ(content.complaints, "a bent facet");
+  EXPECT_EQ(content.remarks, "a bent facet");
 }
 
 TEST(ReadInChild, NamesTheSignalOfACrash) {

@@ -39,7 +39,7 @@ struct ModelInfo {
   std::int32_t scan_depth;  // the tree depth whose templates are scanned exhaustively
   std::int32_t depth_count;
   std::int32_t triangle_count;
-  std::int32_t source_unit;  // 0 guessed mm, 1 mm, 2 m, 3 inch
+  std::int32_t source_unit;  // a train::LengthUnit
   NormalCodebook normal_codebook;
   std::uint8_t reserved[7];
 };

@@ -16,22 +16,42 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-// kGuess: metres for glTF, as its standard prescribes; else millimetres, but metres when the
-// largest extent in the file is below 1. The guess is in the notes.
-enum class LengthUnit { kGuess, kMillimetre, kMetre, kInch };
+// kOfFile: as the file says. Where its format has no unit (STL, PLY, OBJ, ...) it is guessed, and
+// the guess is in the notes: millimetres, but metres when the largest extent in the file is
+// below 1. The numbers are in model files.
+enum class LengthUnit {
+  kOfFile = 0,
+  kMillimetre = 1,
+  kMetre = 2,
+  kInch = 3,
+  kCentimetre = 4,
+  kFoot = 5,
+  kMicrometre = 6,
+  kOther = 7  // a file's own; nobody can ask for it
+};
+
+// The unit of a model file's number; kOfFile where nobody could have asked for it.
+constexpr LengthUnit unit_of_number(int number) {
+  const bool known = number > static_cast<int>(LengthUnit::kOfFile) &&
+                     number < static_cast<int>(LengthUnit::kOther);
+  return known ? static_cast<LengthUnit>(number) : LengthUnit::kOfFile;
+}
 
 // What was read, and what was repaired or guessed on the way; each note is one sentence for people.
 struct ImportedMesh {
   Mesh mesh;
-  LengthUnit unit = LengthUnit::kMillimetre;  // the unit of the file, as given or guessed
+  LengthUnit unit = LengthUnit::kMillimetre;  // of the file: as given, as it says, or guessed
   std::vector<std::string> notes;
   std::uint64_t source_hash = 0;  // FNV-1a 64 of the file's bytes
 };
 
-// Reads STL, PLY, OBJ, glTF, OFF, 3DS, ... through assimp, in a child process with limits on time
-// and memory, so that a hostile file that crashes or hangs the reader is an error here. Cleans the
+// Reads STL, PLY, OBJ, glTF, COLLADA, 3MF, FBX, ... through assimp, in a child process with limits
+// on time and memory, so that a hostile file that crashes or hangs the reader is an error here.
+// Axes are those of the CAD program: where the file has another axis up (glTF always, COLLADA and
+// FBX as they say), the part is turned so that z is up, and x stays to the right. Cleans the
 // result: merges equal vertices, drops degenerate and duplicate triangles, reports open edges.
-// Throws ImportError with one sentence that names the file and the fault: unreadable, no triangles,
+// Throws ImportError with one sentence that
+// names the file and the fault: unreadable, no triangles,
 // NaN or infinite vertices, indices out of range, larger than limits (512 MiB, 2 million triangles,
 // 120 s), zero extent, an extent outside 0.5 to 5000 mm. Thread-safe.
 ImportedMesh import_mesh(const std::string& path, LengthUnit unit);
