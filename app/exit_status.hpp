@@ -1,4 +1,4 @@
-// What the programs' exit status tells a script and the service manager.
+// The exit status and the sentence for what ends a program.
 #pragma once
 
 #include <exception>
@@ -7,12 +7,10 @@
 
 #include "binpick/drivers/loaded_frame.hpp"
 #include "config/config_file.hpp"
+#include "exit_code.hpp"
 #include "setup_error.hpp"
 
 namespace binpick::app {
-
-// 78 is EX_CONFIG: trying again with the same input is useless, and the unit does not.
-enum ExitStatus : int { kDone = 0, kFailure = 1, kUsage = 2, kCannotStart = 78 };
 
 // Of what ends a program. An absent sensor is a failure: it may be there the next time.
 inline ExitStatus status_of(const std::exception& e) {

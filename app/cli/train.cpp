@@ -21,6 +21,7 @@ namespace {
 
 struct TrainArguments {
   std::string mesh, output, camera, distance_mm, unit;
+  train::SolidChoice solids;
   int threads = default_thread_count();
   train::TrainOptions options;
   TrialPlan trials;
@@ -54,7 +55,7 @@ int train_part(TrainArguments arguments) {
     options.distance_max_mm = max_mm;
   }
   check_replaceable(arguments.output);
-  const train::ImportedMesh part = train::import_mesh(arguments.mesh, unit);
+  const train::ImportedMesh part = train::import_mesh(arguments.mesh, unit, arguments.solids);
   for (const std::string& note : part.notes)
     std::fprintf(stderr, "binpick: warning: %s\n", note.c_str());
   options.camera = camera_of(arguments);
@@ -82,7 +83,10 @@ void add_train_command(CLI::App& app, int& exit_status) {
   CLI::App& command = *app.add_subcommand("train", "Learn a part from its CAD file");
   train::TrainOptions& options = arguments->options;
   command
-      .add_option("MESH", arguments->mesh, "CAD file: STL, PLY, OBJ, 3MF, COLLADA, FBX, glTF, ...")
+      .add_option(
+          "MESH", arguments->mesh,
+          "CAD file: STEP, IGES, STL, PLY, OBJ, 3MF, COLLADA, FBX, glTF, ...; its coordinates "
+          "are taken in mm with z up, as in the CAD program, whatever the format")
       ->required();
   command.add_option("-o,--output", arguments->output, "Model file to write")->required();
   command.add_option("--camera", arguments->camera,
@@ -97,6 +101,14 @@ void add_train_command(CLI::App& app, int& exit_status) {
   command.add_option("--unit", arguments->unit,
                      "Unit of the CAD file: mm, cm, m, inch, ft or um [what the file says; guessed "
                      "where its format has no unit: STL, PLY, OBJ]");
+  command.add_option("--body", arguments->solids.body,
+                     "STEP and IGES: name or number of the body that is the part, or all; needed "
+                     "where the file has several");
+  command
+      .add_option("--deflection-mm", arguments->solids.deflection_mm,
+                  "STEP and IGES: distance of triangles from the surface, at most [0.05, or 1/2000 "
+                  "of the diameter where that is more]")
+      ->check(number_between(0.0001, 100.0));
   command.add_option("--threads", arguments->threads, "Threads to use")
       ->check(number_between(1, 256))
       ->capture_default_str();

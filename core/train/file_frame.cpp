@@ -14,6 +14,7 @@
 
 #include "binpick/train/errors.hpp"
 #include "mesh_reader.hpp"
+#include "solid_import.hpp"
 
 namespace binpick::train {
 namespace {
@@ -43,16 +44,16 @@ double millimetres_in(const std::string& unit) {
   constexpr struct {
     const char* name;
     double mm;
-  } kUnits[] = {{"millimeter", 1},
-                {"millimeters", 1},
-                {"micron", 0.001},
-                {"centimeter", 10},
-                {"meter", kMetre_mm},
-                {"inch", 25.4},
-                {"foot", 304.8},
-                {"feet", 304.8},
-                {"", 1}};  // both 3MF and AMF: millimetres when nothing is said
-  for (const auto& known : kUnits) {
+  } kNamedUnits[] = {{"millimeter", 1},
+                     {"millimeters", 1},
+                     {"micron", 0.001},
+                     {"centimeter", 10},
+                     {"meter", kMetre_mm},
+                     {"inch", 25.4},
+                     {"foot", 304.8},
+                     {"feet", 304.8},
+                     {"", 1}};  // both 3MF and AMF: millimetres when nothing is said
+  for (const auto& known : kNamedUnits) {
     if (unit == known.name) return known.mm;
   }
   throw ImportError("its unit '" + unit + "' is not known");
@@ -166,6 +167,8 @@ FileFrame apply_file_frame(const std::string& path, aiScene& scene) {
   } else if (extension == "gltf" || extension == "glb") {
     frame.mm_per_unit = kMetre_mm;  // by the standard, as the axes
     axes = kYUp;
+  } else if (holds_solids(path)) {
+    frame.mm_per_unit = 1;  // as binpick-cad makes it
   } else if (extension == "3mf") {
     frame.mm_per_unit = unit_of_3mf(path);
   } else if (extension == "amf") {

@@ -16,6 +16,7 @@
 #include "binpick/train/mesh.hpp"
 #include "mesh_clean.hpp"
 #include "mesh_import_child.hpp"
+#include "solid_import.hpp"
 
 namespace binpick::train {
 namespace {
@@ -54,15 +55,19 @@ std::uint64_t hash_of_file(const std::string& path) {
   return hash;
 }
 
-void refuse_solid_models(const std::string& path) {
-  for (const char* name :
-       {"step", "stp", "iges", "igs", "x_t", "sldprt", "ipt", "catpart", "f3d"}) {
+void refuse_files_of_cad_programs(const std::string& path) {
+  for (const char* name : {"x_t", "x_b", "sldprt", "sldasm", "ipt", "iam", "prt", "catpart", "f3d",
+                           "par", "3dm", "fcstd", "dwg", "jt", "sat"}) {
     if (extension_of(path) == name) {
       throw ImportError(std::string(name) +
-                        " files describe solids, not triangles; export the part " +
-                        "as STL or PLY with a tolerance of 0.1 mm or finer");
+                        " files are for CAD programs only; export the part as STEP there");
     }
   }
+}
+
+void refuse_choice_without_solids(const std::string& path, const SolidChoice& solids) {
+  if (holds_solids(path) || (solids.body.empty() && solids.deflection_mm == 0)) return;
+  throw ImportError("body and deflection can be chosen of STEP and IGES files only");
 }
 
 double largest_extent(const Mesh& mesh) {
@@ -131,11 +136,13 @@ void scale_to_mm(Mesh& mesh, double extent, const UnitSize& unit) {
   }
 }
 
-ImportedMesh import_file(const std::string& path, LengthUnit unit) {
+ImportedMesh import_file(const std::string& path, LengthUnit unit, const SolidChoice& solids) {
   ImportedMesh imported;
   imported.source_hash = hash_of_file(path);
-  refuse_solid_models(path);
-  FileContent content = read_in_child(read_with_assimp, path, ChildLimits{});
+  refuse_files_of_cad_programs(path);
+  refuse_choice_without_solids(path, solids);
+  const auto reader = [&](const std::string& file) { return read_with_assimp(file, solids); };
+  FileContent content = read_in_child(reader, path, ChildLimits{});
   if (!content.remarks.empty()) imported.notes.push_back(content.remarks + ".");
   if (content.skipped_count > 0) {
     imported.notes.push_back(std::to_string(content.skipped_count) + " points or lines left out.");
@@ -150,9 +157,9 @@ ImportedMesh import_file(const std::string& path, LengthUnit unit) {
 
 }  // namespace
 
-ImportedMesh import_mesh(const std::string& path, LengthUnit unit) {
+ImportedMesh import_mesh(const std::string& path, LengthUnit unit, const SolidChoice& solids) {
   try {
-    return import_file(path, unit);
+    return import_file(path, unit, solids);
   } catch (const ImportError& error) {
     throw ImportError("cannot import " + path + ": " + error.what());
   }

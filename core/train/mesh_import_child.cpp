@@ -97,8 +97,8 @@ void confine(const ChildLimits& limits) {
   _exit(0);
 }
 
-[[noreturn]] void run_child(FileReader reader, const std::string& path, const ChildLimits& limits,
-                            int fd) {
+[[noreturn]] void run_child(const FileReader& reader, const std::string& path,
+                            const ChildLimits& limits, int fd) {
   confine(limits);
   try {
     const FileContent content = reader(path);
@@ -127,7 +127,7 @@ static_assert(sizeof(Eigen::Vector3f) == 12 && sizeof(std::array<std::uint32_t, 
 // The reading process, seen from outside. Gone with this object at the latest.
 class Child {
  public:
-  Child(FileReader reader, const std::string& path, const ChildLimits& limits)
+  Child(const FileReader& reader, const std::string& path, const ChildLimits& limits)
       : limits_(limits),
         deadline_(Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                      std::chrono::duration<double>(limits.wall_s))) {
@@ -232,7 +232,8 @@ void make_printable(std::string& text) {
 
 }  // namespace
 
-FileContent read_in_child(FileReader reader, const std::string& path, const ChildLimits& limits) {
+FileContent read_in_child(const FileReader& reader, const std::string& path,
+                          const ChildLimits& limits) {
   Child child(reader, path, limits);
   ResultHeader header;
   child.read_all(&header, sizeof header);

@@ -16,6 +16,7 @@
 #include "binpick/train/errors.hpp"
 #include "file_frame.hpp"
 #include "ply_input.hpp"
+#include "solid_import.hpp"
 #include "stl_input.hpp"
 
 namespace binpick::train {
@@ -104,12 +105,14 @@ std::string bytes_of(const std::string& path) {
   return bytes;
 }
 
-// Files that assimp reads wrongly, or takes for whole when they are not, are put right in memory.
+// Files that assimp reads wrongly, or takes for whole when they are not, are put right in memory;
+// those that it does not read at all come as triangles of somebody else's making.
 const aiScene* read_scene(Assimp::Importer& importer, const std::string& path,
-                          std::string& remarks) {
-  const std::string extension = extension_of(path);
+                          const SolidChoice& solids, std::string& remarks) {
+  const std::string extension = holds_solids(path) ? "ply" : extension_of(path);
   if (extension != "ply" && extension != "stl") return importer.ReadFile(path, 0);
-  std::string bytes = bytes_of(path);
+  std::string bytes =
+      holds_solids(path) ? triangles_of_solids(path, solids, remarks) : bytes_of(path);
   if (extension == "ply") complete_ply(bytes);
   if (extension == "stl") add_remark(complete_stl(bytes), remarks);
   return importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, extension.c_str());
@@ -127,13 +130,13 @@ std::string extension_of(const std::string& path) {
   return extension;
 }
 
-FileContent read_with_assimp(const std::string& path) {
+FileContent read_with_assimp(const std::string& path, const SolidChoice& solids) {
   Complaints complaints;
   Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0)
       ->attachStream(&complaints, Assimp::Logger::Err);
   Assimp::Importer importer;
   FileContent content;
-  const aiScene* scene = read_scene(importer, path, content.remarks);
+  const aiScene* scene = read_scene(importer, path, solids, content.remarks);
   Assimp::DefaultLogger::get()->detachStream(&complaints, Assimp::Logger::Err);
   if (scene == nullptr) throw ImportError(importer.GetErrorString());
   if (complaints.text.find("out of range") != std::string::npos) throw ImportError(complaints.text);

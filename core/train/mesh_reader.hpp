@@ -23,6 +23,6 @@ constexpr std::size_t kVerticesMax = 4 * kTrianglesMax;  // STL brings three a t
 std::string extension_of(const std::string& path);
 
 // Throws ImportError with the fault alone.
-FileContent read_with_assimp(const std::string& path);
+FileContent read_with_assimp(const std::string& path, const SolidChoice& solids = {});
 
 }  // namespace binpick::train

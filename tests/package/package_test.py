@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The Debian package: made from the build folder, unpacked into an empty root, looked at there.
+"""The Debian packages: made from the build folder, unpacked into an empty root, looked at there.
 
     package_test.py BUILD-FOLDER
 
@@ -47,8 +47,8 @@ class PackageTest(unittest.TestCase):
     def tearDownClass(cls):
         shutil.rmtree(cls.folder)
 
-    def field(self, name):
-        return run("dpkg-deb", "-f", str(self.package), name).stdout.strip()
+    def field(self, name, package=None):
+        return run("dpkg-deb", "-f", str(package or self.package), name).stdout.strip()
 
     def test_everything_is_in_its_place(self):
         for file in FILES:
@@ -61,6 +61,18 @@ class PackageTest(unittest.TestCase):
         for library in ("libc6", "libaravis-0.8-0", "libmodbus5", "libassimp5", "zlib1g",
                         "libopencv-core", "systemd", "procps"):
             self.assertIn(library, depends)
+
+    def test_step_and_iges_are_a_package_of_their_own(self):
+        """So that a station does without OpenCASCADE and what it depends on."""
+        self.assertNotIn("libocct", self.field("Depends"))
+        self.assertFalse((self.root / "usr/bin/binpick-cad").exists())
+        (package,) = self.folder.glob("binpick-cad_*.deb")
+        self.assertEqual(self.field("Package", package), "binpick-cad")
+        self.assertIn("libocct-data-exchange", self.field("Depends", package))
+        root = self.folder / "cad"
+        self.assertEqual(run("dpkg-deb", "-x", str(package), str(root)).returncode, 0)
+        files = {path.relative_to(root).as_posix() for path in root.rglob("*") if path.is_file()}
+        self.assertEqual(files, {"usr/bin/binpick-cad", "usr/share/doc/binpick-cad/copyright"})
 
     def test_programs_are_stripped_and_belong_to_root(self):
         listing = run("dpkg-deb", "-c", str(self.package)).stdout

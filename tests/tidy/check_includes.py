@@ -8,6 +8,7 @@ drivers/     of core only base, frame and geometry; image and JSON libraries; ne
              Aravis in drivers/aravis/, libusb in drivers/usb/, Highway in drivers/genicam/
 app/         public headers of core and drivers, its own private ones; neither assimp nor OSMesa;
 app/simulation/ of these alone uses Bullet;
+app/cad/     OpenCASCADE and CLI11; of ours the exit status and the check of what is printed;
 app/modbus/  of all these only base, geometry, clock and set-up errors
 tests/, tools/ everything
 
@@ -27,6 +28,7 @@ LIBRARIES = {  # first part of the path -> library
     "pugixml.hpp": "pugixml",
     "btBulletDynamicsCommon.h": "Bullet", "LinearMath": "Bullet",
 }
+OPEN_CASCADE_SUFFIX = ".hxx"  # all of its headers, and nobody else's
 POSIX = ("sys", "unistd.h", "fcntl.h", "pthread.h", "signal.h", "poll.h", "dirent.h", "errno.h",
          "time.h", "sched.h", "dlfcn.h", "arpa", "netinet", "spawn.h", "stdio.h", "stdlib.h",
          "ifaddrs.h", "malloc.h", "semaphore.h", "linux")
@@ -45,7 +47,7 @@ ALLOWED_LIBRARIES = {
     "diagnosis": {"std", "Eigen"},
     "drivers": {"std", "POSIX", "Eigen", "Highway", "OpenCV", "nlohmann", "Aravis", "libusb"},
     "app": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "CLI11", "tomlplusplus", "libmodbus",
-            "zlib", "Bullet"},
+            "zlib", "Bullet", "OpenCASCADE"},
 }
 ALLOWED_AREAS = {
     "core": {"core"},
@@ -57,7 +59,8 @@ ALLOWED_AREAS = {
 SHARED_BY_DRIVERS = "genicam"  # payloads and formats: no device library
 # Libraries that belong into some folders only.
 LIBRARY_FOLDERS = {"Aravis": ("drivers/aravis/",), "libusb": ("drivers/usb/",),
-                   "Highway": ("core/", "drivers/genicam/"), "Bullet": ("app/simulation/",)}
+                   "Highway": ("core/", "drivers/genicam/"), "Bullet": ("app/simulation/",),
+                   "OpenCASCADE": ("app/cad/",)}
 # Made in the build folder: (area, path as it is included).
 GENERATED = {("app", "modbus/register_map.hpp")}
 # The Modbus side knows registers, poses and sockets: nothing of detection, sensors and the rest.
@@ -65,6 +68,7 @@ SIMULATION_SEES = ("app/simulation/", "core/include/binpick/base/",
                    "core/include/binpick/geometry/")
 MODBUS_SEES = ("app/modbus/", "app/clock.hpp", "app/setup_error.hpp", "core/include/binpick/base/",
                "core/include/binpick/geometry/")
+CAD_SEES = ("app/cad/", "app/exit_code.hpp", "app/standard_output.hpp")
 DRIVERS_SEE_OF_CORE = {"base", "frame", "geometry"}
 # Where a private header may stand, seen from the area that includes it.
 PRIVATE_ROOTS = {
@@ -93,6 +97,8 @@ def core_folder_of(relative):
 def library_of(target):
     """The library of an include that is none of our files; None when it is not known."""
     first = target.split("/")[0]
+    if target.endswith(OPEN_CASCADE_SUFFIX):
+        return "OpenCASCADE"
     if first in LIBRARIES:
         return LIBRARIES[first]
     if first in POSIX:
@@ -120,6 +126,8 @@ def fault_of_ours(relative, area, header):
     public = header.startswith(PUBLIC_ROOTS)
     if relative.startswith("app/modbus/") and not header.startswith(MODBUS_SEES):
         return "the Modbus side knows neither detection nor sensors"
+    if relative.startswith("app/cad/") and not header.startswith(CAD_SEES):
+        return "binpick-cad is a program of its own"
     if relative.startswith("app/simulation/") and not header.startswith(SIMULATION_SEES):
         return "the simulation knows neither detection nor training"
     if not public and area in ("drivers", "app") and other != area:

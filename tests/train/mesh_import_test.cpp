@@ -211,7 +211,7 @@ TEST_F(MeshImport, RefusesWhatIsNoReadableFile) {
   EXPECT_NE(fault(file("b.stl", "hello")), "");
   EXPECT_NE(fault(file("c.ply", "ply\n")), "");
   EXPECT_NE(fault(file("d.gltf", "{}")), "");
-  EXPECT_THAT(fault(file("e.STEP", "ISO-10303-21;")), HasSubstr("export the part as STL"));
+  EXPECT_THAT(fault(file("e.SLDPRT", "a part")), HasSubstr("export the part as STEP"));
   const std::string huge = file("f.stl", "x");
   std::filesystem::resize_file(huge, (std::uintmax_t{512} << 20) + 1);
   EXPECT_THAT(fault(huge), HasSubstr("larger than 512 MiB"));

@@ -37,6 +37,12 @@ constexpr LengthUnit unit_of_number(int number) {
   return known ? static_cast<LengthUnit>(number) : LengthUnit::kOfFile;
 }
 
+// Of STEP and IGES files, which hold bodies with curved surfaces.
+struct SolidChoice {
+  std::string body;          // name, number from 1, or "all"; empty: the only one
+  double deflection_mm = 0;  // of triangles from the surface, at most; 0: by the size of the part
+};
+
 // What was read, and what was repaired or guessed on the way; each note is one sentence for people.
 struct ImportedMesh {
   Mesh mesh;
@@ -50,11 +56,11 @@ struct ImportedMesh {
 // Axes are those of the CAD program: where the file has another axis up (glTF always, COLLADA and
 // FBX as they say), the part is turned so that z is up, and x stays to the right. Cleans the
 // result: merges equal vertices, drops degenerate and duplicate triangles, reports open edges.
-// Throws ImportError with one sentence that
+// STEP and IGES files go through the program binpick-cad. Throws ImportError with one sentence that
 // names the file and the fault: unreadable, no triangles,
 // NaN or infinite vertices, indices out of range, larger than limits (512 MiB, 2 million triangles,
 // 120 s), zero extent, an extent outside 0.5 to 5000 mm. Thread-safe.
-ImportedMesh import_mesh(const std::string& path, LengthUnit unit);
+ImportedMesh import_mesh(const std::string& path, LengthUnit unit, const SolidChoice& solids = {});
 
 struct MeshBounds {
   Vec3 min_mm, max_mm;
