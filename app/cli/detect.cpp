@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "binpick/detect/detector.hpp"
 #include "binpick/drivers/bop_dataset.hpp"
 #include "cli/arguments.hpp"
 #include "cli/commands.hpp"
 #include "cli/detect_output.hpp"
+#include "cli/notes.hpp"
 #include "cli/number_between.hpp"
 #include "error_text.hpp"
 #include "replace_file.hpp"
@@ -22,6 +24,7 @@ namespace {
 struct DetectArguments {
   std::vector<std::string> models, meshes, bop_frame;
   std::string depth, intensity, camera, split = "test", roi;
+  std::optional<double> depth_scale;
   std::string layout = "rearranged", isa = "best", modality = kModalityNames[0], json, overlay;
   std::string near_symmetry = kNearSymmetryNames[0];
   int threads = default_thread_count();
@@ -40,8 +43,15 @@ NamedFrame load_frame(const DetectArguments& arguments) {
     const drivers::BopDataset dataset(arguments.bop_frame[0], arguments.split);
     return {dataset.load_frame(dataset.scene(id.scene_id), id.im_id), drivers::frame_name(id)};
   }
-  const drivers::FrameCamera camera = drivers::load_camera_file(arguments.camera);
-  return {drivers::load_frame_files(arguments.depth, arguments.intensity, camera),
+  drivers::FrameCamera camera;  // a point cloud tells it
+  if (!arguments.camera.empty()) {
+    camera = drivers::load_camera_file(arguments.camera);
+    print_notes(camera.notes);
+  } else if (arguments.depth.empty() || !drivers::is_point_cloud_file(arguments.depth)) {
+    throw CLI::RequiredError("detect: --camera, unless --depth is an organized point cloud,");
+  }
+  return {drivers::load_frame_files(arguments.depth, arguments.intensity, camera,
+                                    arguments.depth_scale),
           arguments.depth.empty() ? arguments.intensity : arguments.depth};
 }
 
@@ -99,6 +109,7 @@ int detect_parts(const DetectArguments& arguments) {
   }
   const std::vector<train::Mesh> meshes = load_meshes(arguments, files);
   const NamedFrame loaded = load_frame(arguments);
+  print_notes(loaded.frame.notes);
   run.files = files;
   run.frame = loaded.frame.view();
   run.frame_name = loaded.name;
@@ -126,11 +137,22 @@ int detect_parts(const DetectArguments& arguments) {
 
 void add_frame_options(CLI::App& command, DetectArguments& arguments) {
   const char* const group = "Frame";
-  auto* depth = command.add_option("--depth", arguments.depth, "16-bit depth image");
-  auto* intensity = command.add_option("--intensity", arguments.intensity, "8-bit gray image");
-  auto* camera =
-      command.add_option("--camera", arguments.camera,
-                         "Camera file: JSON with fx, fy, cx, cy (or cam_K), depth_scale");
+  auto* depth = command.add_option("--depth", arguments.depth,
+                                   "Depth: 16-bit or float image (PNG, TIFF, OpenEXR, NumPy .npy), "
+                                   "or organized point cloud (PLY, PCD)");
+  auto* intensity = command.add_option("--intensity", arguments.intensity,
+                                       "Gray or colour image of 8 to 16 bits [of a point cloud: "
+                                       "its own]");
+  auto* camera = command.add_option(
+      "--camera", arguments.camera,
+      "Camera file: JSON or YAML of binpick, BOP, OpenCV, ROS, RealSense or Open3D; FILE#NAME: one "
+      "of several in it; with depth_scale [of a point cloud: fitted to it]");
+  auto* depth_scale =
+      command
+          .add_option("--depth-scale", arguments.depth_scale,
+                      "mm per unit of --depth [the camera file's depth_scale; of floats and points "
+                      "mm or metres, where the values leave no doubt]")
+          ->check(number_between(1e-6, 1e6));
   auto* bop = command
                   .add_option("--bop-frame", arguments.bop_frame,
                               "Instead: a data set in the BOP layout, and one of its frames")
@@ -140,10 +162,13 @@ void add_frame_options(CLI::App& command, DetectArguments& arguments) {
   auto* roi =
       command.add_option("--roi", arguments.roi,
                          "Look only here: x,y,width,height in pixels; instead of the frame's own");
-  depth->needs(camera)->excludes(bop);
-  intensity->needs(camera)->excludes(bop);
+  depth->excludes(bop);
+  depth_scale->needs(depth);
+  intensity->excludes(bop);
+  camera->excludes(bop);
   split->needs(bop)->capture_default_str();
-  for (CLI::Option* option : {depth, intensity, camera, bop, split, roi}) option->group(group);
+  for (CLI::Option* option : {depth, intensity, camera, depth_scale, bop, split, roi})
+    option->group(group);
 }
 
 }  // namespace

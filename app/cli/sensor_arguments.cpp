@@ -5,9 +5,9 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "binpick/drivers/loaded_frame.hpp"
 #include "binpick/drivers/open_camera.hpp"
 #include "binpick/drivers/sensor_list.hpp"
+#include "cli/notes.hpp"
 #include "cli/number_between.hpp"
 #include "sensor/sensor_profile_file.hpp"
 
@@ -62,7 +62,11 @@ drivers::CameraSpec camera_spec_of(const SensorArguments& a) {
   spec.packet_size_bytes = a.packet_size;
   spec.packet_socket = !a.no_packet_socket;
   spec.loop = a.loop;
-  if (!a.camera_file.empty()) spec.intrinsics = drivers::load_camera_file(a.camera_file).intrinsics;
+  if (!a.camera_file.empty()) {
+    const drivers::FrameCamera camera = drivers::load_sensor_camera_file(a.camera_file);
+    print_notes(camera.notes);
+    spec.intrinsics = camera.intrinsics;
+  }
   if (!a.profile.empty()) {
     spec.profile = load_sensor_profile(a.profile);
     return spec;

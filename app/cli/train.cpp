@@ -7,6 +7,7 @@
 #include "binpick/train/trainer.hpp"
 #include "cli/arguments.hpp"
 #include "cli/commands.hpp"
+#include "cli/notes.hpp"
 #include "cli/number_between.hpp"
 #include "cli/progress.hpp"
 #include "cli/self_test_text.hpp"
@@ -39,7 +40,9 @@ CameraIntrinsics camera_of(const TrainArguments& arguments) {
                  kTypicalCamera.width, kTypicalCamera.height, kTypicalCamera.fx);
     return kTypicalCamera;
   }
-  const CameraIntrinsics camera = drivers::load_camera_file(arguments.camera).intrinsics;
+  const drivers::FrameCamera file = drivers::load_camera_file(arguments.camera);
+  print_notes(file.notes);
+  const CameraIntrinsics& camera = file.intrinsics;
   if (camera.width <= 0 || camera.height <= 0) {
     throw SetupError(arguments.camera + ": gives no width and height of the image");
   }
@@ -90,7 +93,7 @@ void add_train_command(CLI::App& app, int& exit_status) {
       ->required();
   command.add_option("-o,--output", arguments->output, "Model file to write")->required();
   command.add_option("--camera", arguments->camera,
-                     "Camera file: JSON with fx, fy, cx, cy (or cam_K), width, height");
+                     "Camera file, as of detect, with width and height");
   command.add_option("--distance-mm", arguments->distance_mm,
                      "Camera to the part's origin, MIN:MAX [500:700]");
   command

@@ -15,7 +15,7 @@ drivers::CameraSpec camera_spec_of(const SensorConfig& config) {
   if (config.gain >= 0) spec.gain = config.gain;
   if (config.frame_rate_hz > 0) spec.frame_rate_hz = config.frame_rate_hz;
   if (!config.camera_file.empty())
-    spec.intrinsics = drivers::load_camera_file(config.camera_file).intrinsics;
+    spec.intrinsics = drivers::load_sensor_camera_file(config.camera_file).intrinsics;
   spec.buffer_count = config.buffers;
   spec.packet_size_bytes = config.packet_size_bytes;
   spec.packet_socket = config.packet_socket;

@@ -105,7 +105,7 @@ BopScene BopDataset::scene(int scene_id) const {
   const std::string path = (fs::path(scene.path) / "scene_camera.json").string();
   const nlohmann::json json = read_json_file(path);
   for (const auto& [key, node] : JsonNode(json, path).members()) {
-    const FrameCamera camera = camera_from_json(node);
+    const FrameCamera camera = camera_from_json(CameraNode{"", {node}});
     if (!camera.depth_scale && has_folder(scene.path, "depth"))
       node.fail("has no key \"depth_scale\"");
     scene.frames[id_from_key(key, node)] = camera;

@@ -1,10 +1,10 @@
 #include "replay/image_file.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "binpick/drivers/depth_code.hpp"
 #include "binpick/drivers/loaded_frame.hpp"
 #include "replay/image_end.hpp"
 
@@ -29,28 +29,56 @@ cv::Mat decode(const std::string& path) {
   return image;
 }
 
+template <class T>
+std::vector<T> pixels_of(const cv::Mat& image) {
+  std::vector<T> pixels;
+  pixels.reserve(image.total());
+  for (int y = 0; y < image.rows; ++y) {
+    const T* row = image.ptr<T>(y);
+    pixels.insert(pixels.end(), row, row + image.cols);
+  }
+  return pixels;
+}
+
 }  // namespace
 
-ImageBuffer<float> read_depth_mm(const std::string& path, double depth_scale) {
-  const cv::Mat raw = decode(path);
-  if (raw.type() != CV_16UC1) {
-    throw DatasetError(path + ": is not a depth image: one channel of 16 bits is expected, " +
-                       std::to_string(raw.channels()) + " of " +
-                       std::to_string(8 * raw.elemSize1()) + " found");
-  }
-  ImageBuffer<float> depth{raw.cols, raw.rows, {}};
-  depth.pixels.reserve(raw.total());
-  for (int y = 0; y < raw.rows; ++y) {
-    const std::uint16_t* row = raw.ptr<std::uint16_t>(y);
-    for (int x = 0; x < raw.cols; ++x)
-      depth.pixels.push_back(depth_mm_from_code(row[x], depth_scale));
+std::string size_text(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+RawDepth read_depth_image(const std::string& path) {
+  const cv::Mat image = decode(path);
+  RawDepth depth{image.cols, image.rows, {}, {}};
+  if (image.type() == CV_16UC1) {
+    depth.codes = pixels_of<std::uint16_t>(image);
+  } else if (image.type() == CV_32FC1 || image.type() == CV_64FC1) {
+    cv::Mat values;
+    image.convertTo(values, CV_32F);
+    depth.values = pixels_of<float>(values);
+  } else {
+    throw DatasetError(path +
+                       ": is not a depth image: one channel of 16 bits or of floating point "
+                       "is expected, " +
+                       std::to_string(image.channels()) + " of " +
+                       std::to_string(8 * image.elemSize1()) + " found");
   }
   return depth;
 }
 
+std::vector<std::uint8_t> gray_of_codes(std::span<const std::uint16_t> codes) {
+  int shift = 0;
+  const auto brightest = codes.empty() ? codes.end() : std::max_element(codes.begin(), codes.end());
+  for (int bits = 8; brightest != codes.end() && *brightest >> bits != 0; bits += 2) shift += 2;
+  std::vector<std::uint8_t> gray;
+  gray.reserve(codes.size());
+  for (const std::uint16_t code : codes) gray.push_back(static_cast<std::uint8_t>(code >> shift));
+  return gray;
+}
+
 ImageBuffer<std::uint8_t> read_gray(const std::string& path) {
   const cv::Mat image = decode(path);
-  if (image.depth() != CV_8U) throw DatasetError(path + ": is not an image of 8 bits a channel");
+  if (image.depth() != CV_8U && image.depth() != CV_16U)
+    throw DatasetError(path + ": is not an image of 8 or 16 bits a channel");
   cv::Mat gray;
   switch (image.channels()) {
     case 1:
@@ -65,13 +93,8 @@ ImageBuffer<std::uint8_t> read_gray(const std::string& path) {
     default:
       throw DatasetError(path + ": is neither a gray nor a colour image");
   }
-  ImageBuffer<std::uint8_t> buffer{gray.cols, gray.rows, {}};
-  buffer.pixels.reserve(gray.total());
-  for (int y = 0; y < gray.rows; ++y) {
-    const std::uint8_t* row = gray.ptr<std::uint8_t>(y);
-    buffer.pixels.insert(buffer.pixels.end(), row, row + gray.cols);
-  }
-  return buffer;
+  if (gray.depth() == CV_8U) return {gray.cols, gray.rows, pixels_of<std::uint8_t>(gray)};
+  return {gray.cols, gray.rows, gray_of_codes(pixels_of<std::uint16_t>(gray))};
 }
 
 }  // namespace binpick::drivers

@@ -90,6 +90,11 @@ Mat3 JsonNode::matrix3() const {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(v.data());
 }
 
+std::string JsonNode::text() const {
+  if (!value_->is_string()) fail("is not a text");
+  return value_->get<std::string>();
+}
+
 int id_from_key(const std::string& key, const JsonNode& node) {
   int id = 0;
   const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), id);

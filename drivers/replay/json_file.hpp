@@ -26,11 +26,17 @@ class JsonNode {
   std::vector<std::pair<std::string, JsonNode>> members() const;
   std::vector<JsonNode> elements() const;
 
+  bool is_object() const { return value_->is_object(); }
+  bool is_list() const { return value_->is_array(); }
+  bool is_number() const { return value_->is_number(); }
+  bool is_null() const { return value_->is_null(); }
+
   double number() const;  // finite
   int integer() const;
   std::vector<double> numbers(std::size_t count) const;
   Vec3 vector3() const;
   Mat3 matrix3() const;  // nine numbers, row-major
+  std::string text() const;
 
   [[noreturn]] void fail(const std::string& complaint) const;
 

@@ -1,74 +1,48 @@
 #include "binpick/drivers/loaded_frame.hpp"
 
-#include <cmath>
-
-#include "replay/camera_json.hpp"
-#include "replay/image_file.hpp"
+#include "replay/cloud_frame.hpp"
+#include "replay/undistort_frame.hpp"
 
 namespace binpick::drivers {
 namespace {
 
-CameraIntrinsics intrinsics_from_json(const JsonNode& node) {
-  CameraIntrinsics c;
-  if (const auto cam_K = node.find("cam_K")) {
-    const Mat3 K = cam_K->matrix3();
-    if (K(0, 1) != 0 || K(1, 0) != 0 || K(2, 0) != 0 || K(2, 1) != 0 || K(2, 2) != 1) {
-      cam_K->fail(
-          "is not a pinhole camera without skew: [fx, 0, cx, 0, fy, cy, 0, 0, 1] is expected");
-    }
-    c.fx = K(0, 0);
-    c.fy = K(1, 1);
-    c.cx = K(0, 2);
-    c.cy = K(1, 2);
-    if (!c.valid()) cam_K->fail("the focal lengths are not positive");
-  } else {
-    c.fx = node.at("fx").number();
-    c.fy = node.at("fy").number();
-    c.cx = node.at("cx").number();
-    c.cy = node.at("cy").number();
-    if (!c.valid()) node.fail("fx and fy are not positive");
-  }
-  if (const auto width = node.find("width")) c.width = width->integer();
-  if (const auto height = node.find("height")) c.height = height->integer();
-  if (c.width < 0 || c.height < 0) node.fail("width and height are negative");
-  return c;
+bool is_cloud(const FileKind& kind) {
+  return kind.format == FileFormat::kPly || kind.format == FileFormat::kPcd;
 }
 
-std::int64_t time_from_json(const JsonNode& node) {
-  const double ns = node.number();
-  // As exact as a double is: microseconds after a hundred days.
-  if (ns < 0 || ns > 9e18) node.fail("is not a time in ns");
-  return static_cast<std::int64_t>(ns);
+FileKind usable_kind(const std::string& path) {
+  FileKind kind = kind_of_file(path);
+  if (kind.format == FileFormat::kUnsupported)
+    throw DatasetError(path + ": is " + kind.name + ", which is not read; " + kind.advice);
+  return kind;
 }
 
-std::string size_text(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
+ImageBuffer<std::uint8_t> load_intensity(const std::string& path) {
+  const FileKind kind = usable_kind(path);
+  if (kind.format != FileFormat::kImage && kind.format != FileFormat::kUnknown)
+    throw DatasetError(path + ": is " + kind.name +
+                       ", not an intensity image: expected is PNG, TIFF or JPEG");
+  return read_gray(path);
+}
+
+// All images of a frame have one size, which is the camera's where its file tells it.
+void check_size(const std::string& path, int width, int height, const FrameCamera& camera) {
+  const CameraIntrinsics& c = camera.intrinsics;
+  if ((c.width == 0 || c.width == width) && (c.height == 0 || c.height == height)) return;
+  throw DatasetError(path + ": is " + size_text(width, height) + ", the camera file says " +
+                     size_text(c.width, c.height) +
+                     ": take the camera file of this resolution; one of another has the wrong "
+                     "focal length");
+}
+
+void check_same_size(const std::string& intensity_path, int width, int height,
+                     const CameraIntrinsics& depth) {
+  if (intensity_path.empty() || (width == depth.width && height == depth.height)) return;
+  throw DatasetError(intensity_path + ": is " + size_text(width, height) + ", its depth image is " +
+                     size_text(depth.width, depth.height));
 }
 
 }  // namespace
-
-FrameCamera camera_from_json(const JsonNode& node) {
-  FrameCamera camera;
-  camera.intrinsics = intrinsics_from_json(node);
-  if (const auto scale = node.find("depth_scale")) {
-    camera.depth_scale = scale->number();
-    if (*camera.depth_scale <= 0) scale->fail("is not positive");
-  }
-  if (const auto roi = node.find("roi")) {
-    const std::vector<JsonNode> v = roi->elements();
-    if (v.size() != 4) roi->fail("is not a list of four numbers: x, y, width, height");
-    camera.roi = {v[0].integer(), v[1].integer(), v[2].integer(), v[3].integer()};
-    if (camera.roi.whole_image()) roi->fail("its width and height are not positive");
-  }
-  if (const auto time = node.find("capture_ns")) camera.capture_ns = time_from_json(*time);
-  if (const auto time = node.find("device_ns")) camera.device_ns = time_from_json(*time);
-  return camera;
-}
-
-FrameCamera load_camera_file(const std::string& path) {
-  const nlohmann::json json = read_json_file(path);
-  return camera_from_json(JsonNode(json, path));
-}
 
 Frame LoadedFrame::view() const {
   Frame frame;
@@ -82,43 +56,46 @@ Frame LoadedFrame::view() const {
   return frame;
 }
 
+bool is_point_cloud_file(const std::string& path) {
+  return is_cloud(usable_kind(path));
+}
+
 LoadedFrame load_frame_files(const std::string& depth_path, const std::string& intensity_path,
-                             const FrameCamera& camera) {
+                             const FrameCamera& camera, std::optional<double> depth_scale) {
+  const FileKind kind = depth_path.empty() ? FileKind{} : usable_kind(depth_path);
+  ImageBuffer<std::uint8_t> gray;
+  if (!intensity_path.empty()) {
+    gray = load_intensity(intensity_path);
+    check_size(intensity_path, gray.width, gray.height, camera);
+  }
+  if (is_cloud(kind)) {
+    const int width = gray.width, height = gray.height;
+    LoadedFrame frame =
+        frame_of_cloud(depth_path, kind, camera, std::move(gray), {depth_scale, {}});
+    check_size(depth_path, frame.camera.width, frame.camera.height, camera);
+    check_same_size(intensity_path, width, height, frame.camera);
+    return frame;
+  }
   LoadedFrame frame;
   frame.camera = camera.intrinsics;
   frame.roi = camera.roi;
-  // What sizes the frame, and what it is called where another image differs.
-  std::string sized_by;
-  const auto take_size = [&](const std::string& path, int width, int height) {
-    const std::string is = path + ": is " + size_text(width, height);
-    if (!sized_by.empty() && (frame.camera.width != width || frame.camera.height != height)) {
-      throw DatasetError(is + ", " + sized_by + " is " +
-                         size_text(frame.camera.width, frame.camera.height));
-    }
-    if ((camera.intrinsics.width != 0 && camera.intrinsics.width != width) ||
-        (camera.intrinsics.height != 0 && camera.intrinsics.height != height)) {
-      throw DatasetError(is + ", the camera file says " +
-                         size_text(camera.intrinsics.width, camera.intrinsics.height));
-    }
-    frame.camera.width = width;
-    frame.camera.height = height;
-    sized_by = "its depth image";
-  };
+  if (!camera.intrinsics.valid())
+    throw DatasetError(depth_path + ": needs the camera that it was taken with: give --camera");
   if (!depth_path.empty()) {
-    if (!camera.depth_scale) {
-      throw DatasetError(depth_path +
-                         ": the camera file gives no depth_scale (mm per unit of the depth image)");
-    }
-    ImageBuffer<float> depth = read_depth_mm(depth_path, *camera.depth_scale);
-    take_size(depth_path, depth.width, depth.height);
-    frame.depth_scale_mm = *camera.depth_scale;
-    frame.depth_mm = std::move(depth.pixels);
+    DepthImage depth = read_depth(depth_path, kind, {depth_scale, camera.depth_scale});
+    check_size(depth_path, depth.depth_mm.width, depth.depth_mm.height, camera);
+    frame.camera.width = depth.depth_mm.width;
+    frame.camera.height = depth.depth_mm.height;
+    check_same_size(intensity_path, gray.width, gray.height, frame.camera);
+    frame.depth_scale_mm = depth.step_mm;
+    frame.depth_mm = std::move(depth.depth_mm.pixels);
+    if (!depth.note.empty()) frame.notes.push_back(depth.note);
+  } else {
+    frame.camera.width = gray.width;
+    frame.camera.height = gray.height;
   }
-  if (!intensity_path.empty()) {
-    ImageBuffer<std::uint8_t> gray = read_gray(intensity_path);
-    take_size(intensity_path, gray.width, gray.height);
-    frame.intensity = std::move(gray.pixels);
-  }
+  frame.intensity = std::move(gray.pixels);
+  undistort(depth_path.empty() ? intensity_path : depth_path, camera.lens, frame);
   return frame;
 }
 

@@ -191,8 +191,11 @@ TEST_F(BopFolder, RefusesImagesOfTheWrongKind) {
   write_image(gray_path(), cv::Mat(6, 9, CV_8UC1, cv::Scalar(1)));
   EXPECT_THAT(error_of([this] { load(); }),
               AllOf(HasSubstr("gray"), HasSubstr("9x6"), HasSubstr("8x6")));
-  write_image(gray_path(), cv::Mat(6, 8, CV_16UC1, cv::Scalar(1)));
-  EXPECT_THAT(error_of([this] { load(); }), HasSubstr("8 bits"));
+  fs::remove(gray_path());
+  const fs::path gray_tiff = scene_folder() / "gray/000007.tif";
+  write_image(gray_tiff, cv::Mat(6, 8, CV_32FC1, cv::Scalar(1)));
+  EXPECT_THAT(error_of([this] { load(); }), HasSubstr("8 or 16 bits"));
+  write_image(gray_tiff, cv::Mat(6, 8, CV_8UC1, cv::Scalar(1)));
   write_image(depth_path(), cv::Mat(6, 8, CV_8UC1, cv::Scalar(1)));
   EXPECT_THAT(error_of([this] { load(); }), AllOf(HasSubstr("depth"), HasSubstr("1 of 8")));
   write_image(depth_path(), cv::Mat(6, 8, CV_16UC3, cv::Scalar(1, 1, 1)));

@@ -285,8 +285,8 @@ TEST(Payload, DepthFromTheWireHasTheBitsOfItsFile) {
   const BopDataset data(BINPICK_TEST_DATA "/bin-sample", "test");
   const BopScene scene = data.scene(1);
   const LoadedFrame loaded = data.load_frame(scene, 0);
-  const auto codes = read_depth_mm(scene.path + "/depth/000000.png", 1);  // scale 1: the codes
-  const U16 raw(codes.pixels.begin(), codes.pixels.end());
+  const RawDepth codes = read_depth_image(scene.path + "/depth/000000.png");
+  const U16 raw(codes.codes.begin(), codes.codes.end());
   Conversion c(codes.width, codes.height);
   Scan3d scan3d = millimetres();
   scan3d.c = {scene.frames.at(0).depth_scale.value(), 0, 0.0};

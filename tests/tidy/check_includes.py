@@ -26,6 +26,8 @@ LIBRARIES = {  # first part of the path -> library
     "gmock": "GoogleTest", "arv.h": "Aravis", "libusb.h": "libusb", "toml++": "tomlplusplus",
     "modbus.h": "libmodbus", "zlib.h": "zlib", "unzip.h": "minizip", "zip.h": "minizip",
     "pugixml.hpp": "pugixml",
+    "modbus.h": "libmodbus", "zlib.h": "zlib", "yaml-cpp": "yaml-cpp", "OpenEXR": "OpenEXR",
+    "liblzf": "liblzf",
     "btBulletDynamicsCommon.h": "Bullet", "LinearMath": "Bullet",
 }
 OPEN_CASCADE_SUFFIX = ".hxx"  # all of its headers, and nobody else's
@@ -45,7 +47,8 @@ ALLOWED_LIBRARIES = {
     "core": {"std", "Eigen", "Highway"},
     "train": {"std", "POSIX", "Eigen", "assimp", "minizip", "pugixml", "OSMesa"},
     "diagnosis": {"std", "Eigen"},
-    "drivers": {"std", "POSIX", "Eigen", "Highway", "OpenCV", "nlohmann", "Aravis", "libusb"},
+    "drivers": {"std", "POSIX", "Eigen", "Highway", "OpenCV", "nlohmann", "Aravis", "libusb",
+                "yaml-cpp", "OpenEXR", "liblzf"},
     "app": {"std", "POSIX", "Eigen", "OpenCV", "nlohmann", "CLI11", "tomlplusplus", "libmodbus",
             "zlib", "Bullet", "OpenCASCADE"},
 }
