@@ -23,7 +23,7 @@ namespace {
 
 struct DetectArguments {
   std::vector<std::string> models, meshes, bop_frame;
-  std::string depth, intensity, camera, split = "test", roi;
+  std::string depth, intensity, camera, split = "test", sensor, roi;
   std::optional<double> depth_scale;
   std::string layout = "rearranged", isa = "best", modality = kModalityNames[0], json, overlay;
   std::string near_symmetry = kNearSymmetryNames[0];
@@ -40,7 +40,7 @@ struct NamedFrame {
 NamedFrame load_frame(const DetectArguments& arguments) {
   if (!arguments.bop_frame.empty()) {
     const drivers::FrameId id = parse_frame_id("--bop-frame", arguments.bop_frame[1]);
-    const drivers::BopDataset dataset(arguments.bop_frame[0], arguments.split);
+    const drivers::BopDataset dataset(arguments.bop_frame[0], arguments.split, arguments.sensor);
     return {dataset.load_frame(dataset.scene(id.scene_id), id.im_id), drivers::frame_name(id)};
   }
   drivers::FrameCamera camera;  // a point cloud tells it
@@ -159,6 +159,8 @@ void add_frame_options(CLI::App& command, DetectArguments& arguments) {
                   ->type_name("DIR SCENE/IMAGE")
                   ->expected(2);
   auto* split = command.add_option("--split", arguments.split, "Split of the data set");
+  auto* sensor = command.add_option("--sensor", arguments.sensor,
+                                    "Of a data set with several sensors: the one to use");
   auto* roi =
       command.add_option("--roi", arguments.roi,
                          "Look only here: x,y,width,height in pixels; instead of the frame's own");
@@ -167,7 +169,8 @@ void add_frame_options(CLI::App& command, DetectArguments& arguments) {
   intensity->excludes(bop);
   camera->excludes(bop);
   split->needs(bop)->capture_default_str();
-  for (CLI::Option* option : {depth, intensity, camera, depth_scale, bop, split, roi})
+  sensor->needs(bop);
+  for (CLI::Option* option : {depth, intensity, camera, depth_scale, bop, split, sensor, roi})
     option->group(group);
 }
 

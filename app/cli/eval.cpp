@@ -34,7 +34,8 @@ namespace {
 constexpr std::size_t kPicturesMax = 12, kCropsMax = 48;
 
 struct Options {
-  std::string dataset, csv, evidence, split = "test", scenes, objects, model_cache, json, report;
+  std::string dataset, csv, evidence, split = "test", sensor, scenes, objects, model_cache, json,
+                                      report;
   std::string layout = "rearranged", isa = "best", modality = kModalityNames[0];
   int threads = default_thread_count();
   double threshold = DetectRequest{}.min_score;
@@ -90,16 +91,19 @@ void take_settings(Options& options) {
 std::vector<std::pair<std::string, std::string>> facts_of(const Options& o) {
   char score[32];
   std::snprintf(score, sizeof score, "%g", o.settings.search.min_score);
-  return {{"data set", o.dataset},
-          {"split", o.split},
-          {"scenes", o.scenes.empty() ? "all" : o.scenes},
-          {"objects", o.objects.empty() ? "all" : o.objects},
-          {"threads", std::to_string(o.threads)},
-          {"layout", o.layout},
-          {"instruction set", o.isa},
-          {"modality", o.modality},
-          {"results at most", std::to_string(o.settings.search.max_results)},
-          {"score at least", score}};
+  std::vector<std::pair<std::string, std::string>> facts = {
+      {"data set", o.dataset},
+      {"split", o.split},
+      {"scenes", o.scenes.empty() ? "all" : o.scenes},
+      {"objects", o.objects.empty() ? "all" : o.objects},
+      {"threads", std::to_string(o.threads)},
+      {"layout", o.layout},
+      {"instruction set", o.isa},
+      {"modality", o.modality},
+      {"results at most", std::to_string(o.settings.search.max_results)},
+      {"score at least", score}};
+  if (!o.sensor.empty()) facts.emplace_back("sensor", o.sensor);
+  return facts;
 }
 
 // All that the passes over the frames share.
@@ -107,7 +111,7 @@ struct Session {
   explicit Session(const Options& o)
       : options(o),
         talk(terminal_talk()),
-        dataset(o.dataset, o.split),
+        dataset(o.dataset, o.split, o.sensor),
         plan(make_eval_plan(
             dataset, {parse_id_list("--scenes", o.scenes), parse_id_list("--objects", o.objects)})),
         parts(load_parts(dataset, plan.objects())),
@@ -256,6 +260,7 @@ void add_eval_command(CLI::App& app, int& exit_status) {
   command->add_option("--csv", o->csv, "BOP results file to write")->required();
   command->add_option("--evidence", o->evidence, "Also write what each score is made of, as CSV");
   command->add_option("--split", o->split, "Folder of the scenes")->capture_default_str();
+  command->add_option("--sensor", o->sensor, "Of a data set with several sensors: the one to use");
   command->add_option("--scenes", o->scenes, "Scenes, such as 1,2,5-7; all when left out");
   command->add_option("--objects", o->objects, "Objects, such as 1,3; all when left out");
   command->add_option("--model-cache", o->model_cache,

@@ -15,7 +15,7 @@ namespace binpick::app {
 namespace {
 
 struct Options {
-  std::string dataset, results, split = "test", scenes, objects, json;
+  std::string dataset, results, split = "test", sensor, scenes, objects, json;
   ScoreOptions score;
   double threshold = 0;
 };
@@ -30,7 +30,7 @@ std::set<int> objects_of(const TruthByFrame& truth) {
 
 void run(const Options& options) {
   if (!options.json.empty() && options.json != "-") check_replaceable(options.json);
-  const drivers::BopDataset dataset(options.dataset, options.split);
+  const drivers::BopDataset dataset(options.dataset, options.split, options.sensor);
   std::set<int> scenes = parse_id_list("--scenes", options.scenes);
   if (scenes.empty()) scenes.insert(dataset.scene_ids().begin(), dataset.scene_ids().end());
   const TruthByFrame truth = load_score_truth(dataset, scenes);
@@ -64,6 +64,8 @@ void add_score_command(CLI::App& app, int& exit_status) {
   command->add_option("results", options->results, "CSV with scene_id,im_id,obj_id,score,R,t,time")
       ->required();
   command->add_option("--split", options->split, "Folder of the scenes")->capture_default_str();
+  command->add_option("--sensor", options->sensor,
+                      "Of a data set with several sensors: the one whose frames were searched");
   command->add_option("--scenes", options->scenes, "Scenes, such as 1,2,5-7; all when left out");
   command->add_option("--objects", options->objects, "Objects, such as 1,3; all when left out");
   command->add_option("--json", options->json,

@@ -37,20 +37,29 @@ void plan_scene(const drivers::BopDataset& dataset, int scene_id,
                 EvalPlan& plan) {
   const drivers::BopScene& scene = plan.scenes[scene_id] = dataset.scene(scene_id);
   TruthByFrame truth = load_score_truth(dataset, scene);
-  if (!targets && truth.empty()) {
-    throw DatasetError(scene.path +
-                       ": has neither scene_gt.json nor targets: nothing says what to look for");
-  }
-  const Targets wanted = targets ? *targets : kinds_in_truth(truth);
+  const Targets in_truth = kinds_in_truth(truth);
+  bool told = !truth.empty() || !objects.empty();
   for (const auto& [im_id, camera] : scene.frames) {
     WantedFrame frame{{scene_id, im_id}, {}, 0};
-    const auto in_frame = wanted.find(frame.id);
-    if (in_frame != wanted.end()) frame.objects = in_frame->second;
+    if (targets) {
+      const auto target = targets->find(frame.id);
+      if (target == targets->end()) continue;
+      frame.objects = target->second;
+      told = told || !frame.objects.empty();
+    }
+    const auto seen = in_truth.find(frame.id);
+    if (frame.objects.empty() && seen != in_truth.end()) frame.objects = seen->second;
+    if (frame.objects.empty() && truth.empty()) frame.objects = objects;
     if (!objects.empty()) std::erase_if(frame.objects, [&](int o) { return !objects.contains(o); });
     if (frame.objects.empty()) continue;
     frame.camera_index = camera_index(camera.intrinsics, plan.cameras);
     plan.cameras[frame.camera_index].frames.push_back(plan.frames.size());
     plan.frames.push_back(std::move(frame));
+  }
+  if (!told) {
+    throw DatasetError(scene.path +
+                       ": has neither scene_gt.json nor targets that name objects: nothing says "
+                       "what to look for; name them with --objects");
   }
   if (targets) std::erase_if(truth, [&](const auto& f) { return !targets->contains(f.first); });
   plan.truth.merge(truth);

@@ -40,7 +40,8 @@ struct EvalSelection {
 };
 
 // A frame's objects are those that test_targets_bop19.json lists or, without that file, the kinds
-// of object in its truth. Throws DatasetError when a scene is asked for that does not exist, or
+// of object in its truth; without truth, those asked for. test_targets_bop24.json only chooses
+// frames. Throws DatasetError when a scene is asked for that does not exist, or
 // nothing is left to do.
 EvalPlan make_eval_plan(const drivers::BopDataset& dataset, const EvalSelection& selection);
 

@@ -14,8 +14,9 @@ TruthByFrame load_score_truth(const drivers::BopDataset& dataset, const drivers:
   for (const auto& [im_id, instances] : drivers::load_truth(dataset, scene.scene_id)) {
     const auto camera = scene.frames.find(im_id);
     if (camera == scene.frames.end()) {
-      throw drivers::DatasetError(scene.path + "/scene_camera.json: has no entry for image " +
-                                  std::to_string(im_id) + " of scene_gt.json");
+      throw drivers::DatasetError(dataset.scene_file(scene.scene_id, "scene_camera") +
+                                  ": has no entry for image " + std::to_string(im_id) +
+                                  " of scene_gt.json");
     }
     std::vector<ScoredInstance>& list = frames[{scene.scene_id, im_id}];
     for (const drivers::TruthInstance& t : instances) {

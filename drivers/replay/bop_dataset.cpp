@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <set>
+#include <string_view>
 
 #include "replay/camera_json.hpp"
 
@@ -28,9 +30,25 @@ std::string image_path(const fs::path& folder, int id) {
   throw DatasetError(stem.string() + ".*: there is no such PNG, TIFF or JPEG file");
 }
 
-bool has_folder(const std::string& scene_path, const char* name) {
+bool has_folder(const std::string& scene_path, const std::string& name) {
   std::error_code error;
   return fs::is_directory(fs::path(scene_path) / name, error);
+}
+
+// SENSOR of each scene_camera_SENSOR.json; "" of scene_camera.json.
+std::set<std::string> sensors_of(const std::string& scene_path) {
+  constexpr std::string_view kStem = "scene_camera";
+  std::set<std::string> sensors;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(scene_path, error)) {
+    const fs::path name = entry.path().filename();
+    const std::string stem = name.stem().string();
+    if (name.extension() != ".json" || !stem.starts_with(kStem)) continue;
+    const std::string rest = stem.substr(kStem.size());
+    if (rest.empty()) sensors.insert("");
+    if (rest.starts_with("_")) sensors.insert(rest.substr(1));
+  }
+  return sensors;
 }
 
 Pose symmetry_from_json(const JsonNode& node) {
@@ -70,7 +88,7 @@ std::string frame_name(FrameId id) {
   return six_digits(id.scene_id) + "/" + six_digits(id.im_id);
 }
 
-BopDataset::BopDataset(const std::string& root, const std::string& split)
+BopDataset::BopDataset(const std::string& root, const std::string& split, const std::string& sensor)
     : root_(root), split_path_((fs::path(root) / split).string()) {
   std::error_code error;
   if (!fs::is_directory(root_, error)) throw DatasetError(root_ + ": there is no such folder");
@@ -90,6 +108,38 @@ BopDataset::BopDataset(const std::string& root, const std::string& split)
   for (const auto& [id, path] : scene_paths_) scene_ids_.push_back(id);
   if (scene_ids_.empty())
     throw DatasetError(split_path_ + ": holds no scene (a folder named by a number)");
+  choose_sensor(sensor);
+}
+
+void BopDataset::choose_sensor(const std::string& sensor) {
+  std::set<std::string> found;
+  for (const auto& [id, path] : scene_paths_) found.merge(sensors_of(path));
+  if (!sensor.empty()) suffix_ = "_" + sensor;
+  if (found.contains(sensor) || (sensor.empty() && found.empty())) return;
+  found.erase("");
+  std::string names;
+  for (const std::string& name : found) names += (names.empty() ? "" : ", ") + name;
+  if (sensor.empty())
+    throw DatasetError(split_path_ + ": has frames of several sensors: " + names +
+                       "; choose one with --sensor");
+  throw DatasetError(split_path_ + ": has no sensor '" + sensor + "'" +
+                     (names.empty()
+                          ? ": its scenes have scene_camera.json alone, leave --sensor out"
+                          : "; there are " + names));
+}
+
+// The whole set's, where its frames have none of their own.
+std::optional<double> BopDataset::common_depth_scale() const {
+  for (const std::string& name : {"camera" + suffix_ + ".json", std::string("camera.json")}) {
+    const std::string path = (fs::path(root_) / name).string();
+    std::error_code error;
+    if (!fs::is_regular_file(path, error)) continue;
+    const nlohmann::json json = read_json_file(path);
+    const auto scale = JsonNode(json, path).find("depth_scale");
+    if (scale && scale->number() <= 0) scale->fail("is not positive");
+    if (scale) return scale->number();
+  }
+  return std::nullopt;
 }
 
 std::string BopDataset::scene_path(int scene_id) const {
@@ -100,14 +150,21 @@ std::string BopDataset::scene_path(int scene_id) const {
   return it->second;
 }
 
+std::string BopDataset::scene_file(int scene_id, const std::string& stem) const {
+  return (fs::path(scene_path(scene_id)) / (stem + suffix_ + ".json")).string();
+}
+
 BopScene BopDataset::scene(int scene_id) const {
   BopScene scene{scene_id, scene_path(scene_id), {}};
-  const std::string path = (fs::path(scene.path) / "scene_camera.json").string();
+  const std::string path = scene_file(scene_id, "scene_camera");
   const nlohmann::json json = read_json_file(path);
+  const bool has_depth = has_folder(scene.path, "depth" + suffix_);
+  const std::optional<double> common = has_depth ? common_depth_scale() : std::nullopt;
   for (const auto& [key, node] : JsonNode(json, path).members()) {
-    const FrameCamera camera = camera_from_json(CameraNode{"", {node}});
-    if (!camera.depth_scale && has_folder(scene.path, "depth"))
-      node.fail("has no key \"depth_scale\"");
+    FrameCamera camera = camera_from_json(CameraNode{"", {node}});
+    if (!camera.depth_scale) camera.depth_scale = common;
+    if (!camera.depth_scale && has_depth)
+      node.fail("has no key \"depth_scale\", and neither has camera.json of the data set");
     scene.frames[id_from_key(key, node)] = camera;
   }
   return scene;
@@ -117,17 +174,17 @@ LoadedFrame BopDataset::load_frame(const BopScene& scene, int im_id) const {
   const auto it = scene.frames.find(im_id);
   const fs::path folder = scene.path;
   if (it == scene.frames.end()) {
-    throw DatasetError((folder / "scene_camera.json").string() + ": has no entry for image " +
+    throw DatasetError(scene_file(scene.scene_id, "scene_camera") + ": has no entry for image " +
                        std::to_string(im_id));
   }
   // A sensor without depth or without intensity has no such folder; a folder without the image is a
   // fault, and so is a scene without any.
   std::string depth, intensity;
-  for (const char* name : {"rgb", "gray"}) {
+  for (const std::string& name : {"rgb" + suffix_, "gray" + suffix_}) {
     if (has_folder(scene.path, name)) intensity = image_path(folder / name, im_id);
   }
-  if (intensity.empty() || has_folder(scene.path, "depth"))
-    depth = image_path(folder / "depth", im_id);
+  if (intensity.empty() || has_folder(scene.path, "depth" + suffix_))
+    depth = image_path(folder / ("depth" + suffix_), im_id);
   return load_frame_files(depth, intensity, it->second);
 }
 

@@ -23,9 +23,8 @@ std::map<int, std::vector<double>> load_visible_fractions(const std::string& pat
 }  // namespace
 
 std::map<int, std::vector<TruthInstance>> load_truth(const BopDataset& dataset, int scene_id) {
-  const fs::path folder = dataset.scene_path(scene_id);
-  const std::string path = (folder / "scene_gt.json").string();
-  const std::string info_path = (folder / "scene_gt_info.json").string();
+  const std::string path = dataset.scene_file(scene_id, "scene_gt");
+  const std::string info_path = dataset.scene_file(scene_id, "scene_gt_info");
   std::map<int, std::vector<TruthInstance>> truth;
   if (!fs::exists(path)) return truth;
 
@@ -53,15 +52,18 @@ std::map<int, std::vector<TruthInstance>> load_truth(const BopDataset& dataset, 
 }
 
 std::optional<std::map<FrameId, std::set<int>>> load_targets(const BopDataset& dataset) {
-  const std::string path = (fs::path(dataset.root()) / "test_targets_bop19.json").string();
-  if (!fs::exists(path)) return std::nullopt;
-  const nlohmann::json json = read_json_file(path);
-  std::map<FrameId, std::set<int>> targets;
-  for (const JsonNode& n : JsonNode(json, path).elements()) {
-    const FrameId id{n.at("scene_id").integer(), n.at("im_id").integer()};
-    targets[id].insert(n.at("obj_id").integer());
+  for (const char* name : {"test_targets_bop19.json", "test_targets_bop24.json"}) {
+    const std::string path = (fs::path(dataset.root()) / name).string();
+    if (!fs::exists(path)) continue;
+    const nlohmann::json json = read_json_file(path);
+    std::map<FrameId, std::set<int>> targets;
+    for (const JsonNode& n : JsonNode(json, path).elements()) {
+      std::set<int>& objects = targets[{n.at("scene_id").integer(), n.at("im_id").integer()}];
+      if (const auto obj_id = n.find("obj_id")) objects.insert(obj_id->integer());
+    }
+    return targets;
   }
-  return targets;
+  return std::nullopt;
 }
 
 }  // namespace binpick::drivers

@@ -1,11 +1,13 @@
 // A data set in the BOP layout: models/ and <split>/<scene>/{depth,gray|rgb}/<image>.* with
-// scene_camera.json. This header gives what a sensor and a CAD folder would give; the truth is in
-// bop_truth.hpp, so that an include shows who looks at it.
-// Every fault is a DatasetError that names the file. Thread-safe: immutable, nothing is cached.
+// scene_camera.json. Of sets with several sensors one is chosen: its files and folders are
+// scene_camera_SENSOR.json, depth_SENSOR/ and so on. This header gives what a sensor and a CAD
+// folder would give; the truth is in bop_truth.hpp, so that an include shows who looks at it. Every
+// fault is a DatasetError that names the file. Thread-safe: immutable, nothing is cached.
 #pragma once
 
 #include <compare>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,12 +49,15 @@ struct BopScene {
 
 class BopDataset {
  public:
-  // Throws when there is no such folder or the split holds no scene.
-  BopDataset(const std::string& root, const std::string& split);
+  // Throws when there is no such folder, the split holds no scene, or the sensor is none of its;
+  // without a name, when there are several sensors. It lists them.
+  BopDataset(const std::string& root, const std::string& split, const std::string& sensor = "");
 
   const std::string& root() const { return root_; }
   const std::vector<int>& scene_ids() const { return scene_ids_; }  // ascending
   std::string scene_path(int scene_id) const;
+  // Of the sensor: scene_gt -> SCENE/scene_gt.json, or SCENE/scene_gt_SENSOR.json.
+  std::string scene_file(int scene_id, const std::string& stem) const;
 
   BopScene scene(int scene_id) const;
   LoadedFrame load_frame(const BopScene& scene, int im_id) const;
@@ -60,7 +65,11 @@ class BopDataset {
   std::map<int, BopModel> models() const;
 
  private:
+  void choose_sensor(const std::string& sensor);
+  std::optional<double> common_depth_scale() const;
+
   std::string root_, split_path_;
+  std::string suffix_;  // of the sensor's files and folders: "_SENSOR", or empty
   std::map<int, std::string> scene_paths_;
   std::vector<int> scene_ids_;
 };

@@ -21,8 +21,9 @@ struct TruthInstance {
 // scene_gt.json. Without scene_gt_info.json every instance counts as wholly visible.
 std::map<int, std::vector<TruthInstance>> load_truth(const BopDataset& dataset, int scene_id);
 
-// Which objects are to be looked for in which frame, from test_targets_bop19.json; nothing when the
-// data set has no such file.
+// Which objects are to be looked for in which frame: test_targets_bop19.json, else
+// test_targets_bop24.json, which lists frames alone (no objects: any that are in it). Nothing when
+// the data set has neither.
 std::optional<std::map<FrameId, std::set<int>>> load_targets(const BopDataset& dataset);
 
 }  // namespace binpick::drivers
