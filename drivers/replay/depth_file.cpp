@@ -13,7 +13,7 @@ namespace {
 
 // No part lies nearer or farther than this; and as the ranges do not meet, a median tells metres
 // from millimetres.
-constexpr double kNearest_mm = 50, kFarthest_mm = 20000;
+constexpr double kNearest_mm = 100, kFarthest_mm = 20000;
 constexpr double kNoDistance_mm = 1e6;  // what renderers write for the background
 
 std::string number_text(double number) {
@@ -57,17 +57,25 @@ FloatUnit unit_of_floats(const std::string& path, std::span<const float> depths,
   if (typical == 0) return {};
   const std::string holds =
       path + ": holds floating-point depth with a median of " + number_text(typical);
-  constexpr const char* kGiveIt = "; give the mm per unit: --depth-scale 1 for mm, 1000 for metres";
-  if (unit.camera_file) {
-    const double scaled = typical * *unit.camera_file;
-    const std::string times = ", which times the camera file's depth_scale of " +
-                              number_text(*unit.camera_file) + " is " + number_text(scaled) + " mm";
-    if (!is_distance(scaled)) throw DatasetError(holds + times + kGiveIt);
-    return {*unit.camera_file, holds + times};
+  // A camera file's depth_scale is mostly that of 16-bit images: here it is one unit among others.
+  std::vector<double> possible;
+  for (const double mm : {1.0, 1000.0, unit.camera_file.value_or(1)}) {
+    const bool known = std::find(possible.begin(), possible.end(), mm) != possible.end();
+    if (is_distance(typical * mm) && !known) possible.push_back(mm);
   }
-  if (is_distance(typical)) return {1, holds + ", taken for mm"};
-  if (is_distance(1000 * typical)) return {1000, holds + ", taken for metres"};
-  throw DatasetError(holds + ", which is neither mm nor metres for certain" + kGiveIt);
+  if (possible.size() != 1)
+    throw DatasetError(holds +
+                       ", of which the unit is not certain; give the mm per unit: "
+                       "--depth-scale 1 for mm, 1000 for metres");
+  const double mm = possible.front();
+  const std::string scale = unit.camera_file ? number_text(*unit.camera_file) : "";
+  std::string note =
+      holds + (mm == 1      ? ", taken for mm"
+               : mm == 1000 ? ", taken for metres"
+                            : ", taken times the camera file's depth_scale of " + scale);
+  if (unit.camera_file && *unit.camera_file != mm)
+    note += "; the camera file's depth_scale of " + scale + " is left to 16-bit images";
+  return {mm, note};
 }
 
 DepthImage read_depth(const std::string& path, const FileKind& kind, const DepthUnit& unit) {

@@ -9,9 +9,9 @@
 
 namespace binpick::drivers {
 
-// mm per unit of what a file holds, by who says so; the first that does decides.
+// mm per unit of what a file holds, by who says so.
 struct DepthUnit {
-  std::optional<double> asked_for;    // by the user, for this very file
+  std::optional<double> asked_for;    // by the user, for this very file: it decides
   std::optional<double> camera_file;  // for the depth images of this camera
 };
 
@@ -21,8 +21,8 @@ struct DepthImage {
   std::string note;             // on the unit, where the file left it open; else empty
 };
 
-// Whole numbers need a unit from someone. Numbers of floating point are taken for metres or for mm
-// where only one of them can be; else the error asks for the unit.
+// Whole numbers need a unit from someone. Numbers of floating point have the one unit (mm, metres,
+// the camera file's) in which they are distances; where that is not one alone, the error asks.
 DepthImage read_depth(const std::string& path, const FileKind& kind, const DepthUnit& unit);
 
 struct FloatUnit {

@@ -127,7 +127,25 @@ const ReadableDepth kReadableDepths[] = {
      [](const std::string& p) { write_cv(p, slope<float>(1e-3, 0), CV_32FC1); },
      1000,
      {},
-     {"depth_scale of 1000 is 646 mm"}},
+     {"taken for metres"}},
+    {"float TIFF in metres, with the camera file's unit of whole numbers",
+     "depth.tiff",
+     [](const std::string& p) { write_cv(p, slope<float>(1e-3, 0), CV_32FC1); },
+     0.1,
+     {},
+     {"taken for metres", "depth_scale of 0.1 is left to 16-bit images"}},
+    {"float TIFF in mm, with the camera file's unit of whole numbers",
+     "depth.tiff",
+     [](const std::string& p) { write_cv(p, slope<float>(1, 0), CV_32FC1); },
+     0.1,
+     {},
+     {"taken for mm", "depth_scale of 0.1"}},
+    {"float TIFF in the camera file's unit alone",
+     "depth.tiff",
+     [](const std::string& p) { write_cv(p, slope<float>(0.04, 0), CV_32FC1); },
+     25,
+     {},
+     {"taken times the camera file's depth_scale of 25"}},
     {"float TIFF, the unit asked for",
      "depth.tiff",
      [](const std::string& p) { write_cv(p, slope<float>(1e-3, 0), CV_32FC1); },
@@ -228,15 +246,15 @@ const RefusedDepth kRefusedDepths[] = {
     {"floats of no unit that could be",
      "depth.tiff",
      [](const std::string& p) { write_cv(p, slope<float>(0.05, 0), CV_32FC1); },
-     {"median of 32.3", "neither mm nor metres", "--depth-scale 1 for mm, 1000 for metres"}},
+     {"median of 32.3", "not certain", "--depth-scale 1 for mm, 1000 for metres"}},
     {"floats of tenths of mm",
      "depth.tiff",
      [](const std::string& p) { write_cv(p, slope<float>(100, 0), CV_32FC1); },
-     {"neither mm nor metres"}},
-    {"metres with the camera file's unit of codes",
+     {"not certain"}},
+    {"floats of mm, or of the camera file's tenths of mm",
      "depth.tiff",
-     [](const std::string& p) { write_cv(p, slope<float>(1e-3, 0), CV_32FC1); },
-     {"depth_scale of 0.1 is 0.0646 mm", "--depth-scale"},
+     [](const std::string& p) { write_cv(p, slope<float>(10, 0), CV_32FC1); },
+     {"median of 6460", "not certain", "--depth-scale"},
      0.1},
     {"NumPy, big-endian",
      "depth.npy",
@@ -353,44 +371,6 @@ TEST(DepthFiles, AFrameOfAnotherSizeThanItsCameraIsRefused) {
   camera.intrinsics.height = 8;
   EXPECT_THAT(error_of([&] { load_frame_files(path, "", camera); }),
               AllOf(HasSubstr("is 6x4"), HasSubstr("says 12x8"), HasSubstr("resolution")));
-}
-
-// How many bits a sensor uses shows in its brightest pixel.
-TEST(IntensityFiles, OfTenToSixteenBitsBecomeEight) {
-  struct Case {
-    std::uint16_t brightest;
-    int bits;
-  };
-  const TemporaryFolder folder;
-  const std::string path = folder.file("gray.png");
-  for (const Case& c : {Case{255, 8}, Case{256, 10}, Case{1023, 10}, Case{1024, 12}, Case{4095, 12},
-                        Case{4096, 14}, Case{16383, 14}, Case{16384, 16}, Case{65535, 16}}) {
-    SCOPED_TRACE(c.brightest);
-    std::vector<std::uint16_t> pixels(kWidth * kHeight, 0);
-    pixels[0] = c.brightest;
-    pixels[1] = static_cast<std::uint16_t>(c.brightest / 2);
-    write_cv(path, pixels, CV_16UC1);
-    const LoadedFrame frame = load_frame_files("", path, camera_of({}));
-    EXPECT_EQ(frame.intensity[0], c.brightest >> (c.bits - 8));
-    EXPECT_EQ(frame.intensity[1], c.brightest / 2 >> (c.bits - 8));
-    EXPECT_EQ(frame.intensity[2], 0);
-  }
-}
-
-TEST(IntensityFiles, OfSixteenBitsInColourBecomeGray) {
-  const TemporaryFolder folder;
-  const std::string path = folder.file("rgb.png");
-  ASSERT_TRUE(cv::imwrite(path, cv::Mat(kHeight, kWidth, CV_16UC3, cv::Scalar(0, 0, 4000))));
-  const LoadedFrame frame = load_frame_files("", path, camera_of({}));
-  EXPECT_NEAR(frame.intensity[0], 0.299 * 4000 / 16, 1) << "as gray it uses 11 bits";
-}
-
-TEST(IntensityFiles, WhatIsNoImageIsRefused) {
-  const TemporaryFolder folder;
-  const std::string path = folder.file("gray.npy");
-  write_npy(path, slope<float>(1, 0), "<f4");
-  EXPECT_THAT(error_of([&] { load_frame_files("", path, camera_of({})); }),
-              AllOf(HasSubstr("NumPy array"), HasSubstr("not an intensity image")));
 }
 
 }  // namespace
