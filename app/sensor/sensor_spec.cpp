@@ -1,5 +1,7 @@
 #include "sensor/sensor_spec.hpp"
 
+#include <cstdio>
+
 #include "binpick/drivers/loaded_frame.hpp"
 #include "sensor/sensor_profile_file.hpp"
 
@@ -14,8 +16,12 @@ drivers::CameraSpec camera_spec_of(const SensorConfig& config) {
   if (config.exposure_us > 0) spec.exposure_us = config.exposure_us;
   if (config.gain >= 0) spec.gain = config.gain;
   if (config.frame_rate_hz > 0) spec.frame_rate_hz = config.frame_rate_hz;
-  if (!config.camera_file.empty())
-    spec.intrinsics = drivers::load_sensor_camera_file(config.camera_file).intrinsics;
+  if (!config.camera_file.empty()) {
+    const drivers::FrameCamera camera = drivers::load_sensor_camera_file(config.camera_file);
+    for (const std::string& note : camera.notes)
+      std::fprintf(stderr, "binpickd: %s\n", note.c_str());
+    spec.intrinsics = camera.intrinsics;
+  }
   spec.buffer_count = config.buffers;
   spec.packet_size_bytes = config.packet_size_bytes;
   spec.packet_socket = config.packet_socket;

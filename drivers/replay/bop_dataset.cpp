@@ -185,7 +185,8 @@ LoadedFrame BopDataset::load_frame(const BopScene& scene, int im_id) const {
   }
   if (intensity.empty() || has_folder(scene.path, "depth" + suffix_))
     depth = image_path(folder / ("depth" + suffix_), im_id);
-  return load_frame_files(depth, intensity, it->second);
+  // Here the unit is part of the format, of floats too.
+  return load_frame_files(depth, intensity, it->second, it->second.depth_scale);
 }
 
 std::map<int, BopModel> BopDataset::models() const {

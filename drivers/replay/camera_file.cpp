@@ -66,7 +66,7 @@ FrameCamera load_sensor_camera_file(const std::string& path) {
   FrameCamera camera = load_camera_file(path);
   if (camera.lens.none()) return camera;
   throw DatasetError(path +
-                     ": has lens distortion, which is not taken out of a live sensor's images: let "
+                     ": has lens distortion, which is not removed from a live sensor's images: let "
                      "the sensor rectify them, and give the intrinsics of the rectified images "
                      "with distortion coefficients of 0");
 }

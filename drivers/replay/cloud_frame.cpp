@@ -35,11 +35,11 @@ void find_grid(const std::string& path, PointCloud& cloud, const CameraIntrinsic
   };
   const std::string holds = path + ": holds " + std::to_string(cloud.points.size()) + " points";
   if (is_grid(cloud.width, cloud.height)) return;
+  if (is_grid(intensity.width, intensity.height)) return take(intensity.width, intensity.height);
+  if (is_grid(camera.width, camera.height)) return take(camera.width, camera.height);
   if (cloud.width > 0 && cloud.height > 0)
     throw DatasetError(holds + ", its header tells a grid of " +
                        size_text(cloud.width, cloud.height));
-  if (is_grid(intensity.width, intensity.height)) return take(intensity.width, intensity.height);
-  if (is_grid(camera.width, camera.height)) return take(camera.width, camera.height);
   if (cloud.has_faces)
     throw DatasetError(path +
                        ": is a mesh: a part goes to binpick train; depth has to be an image "

@@ -39,7 +39,7 @@ constexpr const char* kRealSenseModels[] = {"none",   "modifiedbrownconrady", "i
                                             "ftheta", "brownconrady",         "kannalabrandt4"};
 
 constexpr const char* kRectify =
-    ": only OpenCV's 4, 5 or 8 coefficients (ROS plumb_bob, rational_polynomial) are taken out of "
+    ": only OpenCV's 4, 5 or 8 coefficients (ROS plumb_bob, rational_polynomial) are removed from "
     "images; rectify the images with the maker's software, and give a camera file of the rectified "
     "images, without distortion";
 

@@ -43,14 +43,19 @@ NumberType ply_type(const std::string& path, const std::string& name) {
   throw DatasetError(path + ": its header has a property of the unknown type '" + name + "'");
 }
 
-// "num_cols 640", "width: 640", "cols=640", wherever in a comment or obj_info.
-void take_grid(const std::string& line, PlyHeader& header) {
+// "num_cols 640", "width: 640", "cols=640", wherever in a line. What obj_info says is the grid; a
+// comment may speak of something else.
+void take_grid(const std::string& line, bool obj_info, PlyHeader& header) {
   static const std::regex columns("(num_cols|width|columns|cols)[ :=]+([0-9]{1,6})",
                                   std::regex::icase);
   static const std::regex rows("(num_rows|height|rows)[ :=]+([0-9]{1,6})", std::regex::icase);
-  std::smatch found;
-  if (std::regex_search(line, found, columns)) header.width = std::stoi(found[2]);
-  if (std::regex_search(line, found, rows)) header.height = std::stoi(found[2]);
+  const auto take = [&](const std::regex& words, int& size) {
+    std::smatch found;
+    if ((obj_info || size == 0) && std::regex_search(line, found, words))
+      size = std::stoi(found[2]);
+  };
+  take(columns, header.width);
+  take(rows, header.height);
 }
 
 void take_property(const std::string& path, std::istringstream& words, PlyHeader& header) {
@@ -85,7 +90,7 @@ PlyHeader read_ply_header(const std::string& path, const std::string& bytes) {
       if (word == "binary_little_endian") header.format = PlyHeader::kLittleEndian;
       if (word == "binary_big_endian") header.format = PlyHeader::kBigEndian;
     } else if (word == "comment" || word == "obj_info") {
-      take_grid(words.str(), header);
+      take_grid(words.str(), word == "obj_info", header);
     } else if (word == "element") {
       PlyElement element;
       words >> element.name >> element.count;

@@ -42,9 +42,10 @@ void undistort(const std::string& path, const LensDistortion& lens, LoadedFrame&
     std::vector<float> raw = frame.depth_mm;
     map.depth(view_of(raw, frame.camera), view_of(frame.depth_mm, frame.camera));
   }
-  frame.notes.push_back(path +
-                        ": the camera's lens distortion is taken out of the images; where they are "
-                        "rectified already, leave it out of the camera file");
+  frame.notes.push_back(
+      path +
+      ": the camera's lens distortion is removed from the images; if they are already "
+      "rectified, set its coefficients to 0");
 }
 
 void undistort_intensity(const std::string& path, const LensDistortion& lens, LoadedFrame& frame) {

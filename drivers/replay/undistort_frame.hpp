@@ -1,4 +1,4 @@
-// Lens distortion taken out of a frame that was read from files.
+// Removes lens distortion from a frame that was read from files.
 #pragma once
 
 #include "binpick/drivers/loaded_frame.hpp"

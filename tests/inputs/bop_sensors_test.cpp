@@ -85,6 +85,14 @@ TEST_F(SensorSet, TheDepthScaleOfTheSetServesFramesWithoutOne) {
               AllOf(HasSubstr("camera_photoneo.json: depth_scale"), HasSubstr("not positive")));
 }
 
+// Here the unit belongs to the format: nothing is inferred from the values.
+TEST_F(SensorSet, FloatsHaveTheDepthScaleToo) {
+  std::filesystem::remove(folder_.file("test/000003/depth_cam1/000005.png"));
+  ASSERT_TRUE(cv::imwrite(folder_.file("test/000003/depth_cam1/000005.tif"),
+                          cv::Mat(6, 8, CV_32FC1, cv::Scalar(1300.5))));
+  EXPECT_EQ(load("cam1").depth_mm[0], 650.25f);
+}
+
 TEST_F(SensorSet, ASetWithOneUnnamedSensorTakesNoName) {
   const TemporaryFolder plain;
   write_text(plain.file("test/000001/scene_camera.json"), "{}");

@@ -1,4 +1,4 @@
-// Lens distortion is taken out of images as OpenCV does it, without mixing depths, and not at all
+// Lens distortion is removed from images as OpenCV does it, without mixing depths, and not at all
 // where there is none.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -161,7 +161,7 @@ TEST(Undistortion, OfAFrameFromFilesPutsPointsWhereAPinholeCameraSeesThem) {
   camera.depth_scale = 0.1;
   const LoadedFrame frame =
       load_frame_files(folder.file("depth.png"), folder.file("gray.png"), camera);
-  EXPECT_THAT(frame.notes, Contains(HasSubstr("lens distortion is taken out")));
+  EXPECT_THAT(frame.notes, Contains(HasSubstr("lens distortion is removed")));
   EXPECT_EQ(frame.depth_scale_mm, 0.1) << "depths are still whole numbers of it";
   for (const Vec2& p : pinhole) {
     const int x = static_cast<int>(p.x()), y = static_cast<int>(p.y());

@@ -1,4 +1,4 @@
-// Takes the lens distortion out of images: for each pixel of the pinhole image its place in the
+// Removes lens distortion from images: for each pixel of the pinhole image its place in the
 // image as the lens shows it. Made once for a camera; using it allocates nothing.
 // Thread: any; immutable.
 #pragma once
@@ -22,6 +22,7 @@ class UndistortMap {
   // nothing (asserted is the size).
   UndistortMap(const LensDistortion& lens, const CameraIntrinsics& camera, Arena& arena);
 
+  // Images are without gaps between their rows (asserted).
   // The measured pixel that is nearest, never a mixture of two: across a step that would be a depth
   // where nothing is. 0 where the place is outside of the image.
   void depth(ImageView<const float> raw, ImageView<float> out) const;
@@ -30,11 +31,14 @@ class UndistortMap {
 
  private:
   struct Place {
-    std::uint16_t x = 0, y = 0;                      // of the pixel at the upper left
-    std::uint8_t right_256ths = 0, down_256ths = 0;  // from it on
+    std::uint32_t upper_left = 0;                    // pixels from the first one
+    std::uint8_t right_256ths = 0, down_256ths = 0;  // from there on
+    std::uint8_t nearest = 0;                        // of the four pixels: 1 right, 2 down
     std::uint8_t inside = 0;
   };
   Place place_of(const Vec2& pixel) const;
+  template <class T>
+  void check(ImageView<const T> raw, ImageView<T> out) const;
 
   int width_, height_;
   std::span<Place> places_;
