@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "binpick/report/score_log_odds.hpp"
 #include "pose/score_weights.hpp"
 
 namespace binpick {
@@ -70,9 +71,13 @@ double log_odds(const ScoreTerms& terms, Modality seen) {
   return sum;
 }
 
-double probability(const ScoreTerms& terms, Modality seen, const ModelTrials& trials) {
+double score_log_odds(const ScoreTerms& terms, Modality seen, const ModelTrials& trials) {
   const ScoreCalibration& part = trials.calibration_of(seen);
-  return 1 / (1 + std::exp(-(part.slope * log_odds(terms, seen) + part.offset)));
+  return part.slope * log_odds(terms, seen) + part.offset;
+}
+
+double probability(const ScoreTerms& terms, Modality seen, const ModelTrials& trials) {
+  return 1 / (1 + std::exp(-score_log_odds(terms, seen, trials)));
 }
 
 double conflicts_term(double log_odds, double conflict_odds) {
