@@ -32,6 +32,7 @@ int run(int argc, char** argv) {
   add_detect_command(app, exit_status);
   add_info_command(app, exit_status);
   add_eval_command(app, exit_status);
+  add_assess_command(app, exit_status);
   add_score_command(app, exit_status);
   add_trigger_command(app, exit_status);
   add_replay_command(app, exit_status);

@@ -13,6 +13,7 @@ void add_train_command(CLI::App& app, int& exit_status);
 void add_info_command(CLI::App& app, int& exit_status);
 void add_detect_command(CLI::App& app, int& exit_status);
 void add_eval_command(CLI::App& app, int& exit_status);
+void add_assess_command(CLI::App& app, int& exit_status);
 void add_score_command(CLI::App& app, int& exit_status);
 void add_replay_command(CLI::App& app, int& exit_status);
 void add_trigger_command(CLI::App& app, int& exit_status);

@@ -329,6 +329,29 @@ class EvaluationTest(CliTest):
                 self.assertIn(option.split("=")[0], run.stderr)
 
 
+class AssessmentTest(CliTest):
+    def assess(self, source, *more):
+        return ["assess", source, "--model", self.model, *more]
+
+    def test_sources(self):
+        self.refused(CANNOT_START, ["nowhere"], *self.assess("nowhere"))
+        self.refused(CANNOT_START, ["nowhere"], *self.assess("replay:nowhere"))
+        self.refused(CANNOT_START, ["dataset", "1 frame", "at least 5"], *self.assess("dataset"))
+        self.refused(FAILURE, ["ftp://here"], *self.assess("ftp://here"))
+
+    def test_values(self):
+        for option in ("--scenes=x", "--threads=0", "--wrong-picks-max=2", "--threshold=1",
+                       "--count=0", "--roi=1,2", "--modality=sound", "--near-symmetry=no"):
+            with self.subTest(option):
+                self.refused(USAGE, [option.split("=")[0]], *self.assess("dataset", option))
+
+    def test_options_of_another_kind_of_source(self):
+        self.refused(USAGE, ["--exposure-us", "sensors"],
+                     *self.assess("dataset", "--exposure-us", "500"))
+        self.refused(USAGE, ["--scenes", "folders"],
+                     *self.assess("gev://127.0.0.9", "--scenes", "1"))
+
+
 if __name__ == "__main__":
     if len(sys.argv) < 2:
         sys.exit(__doc__)
