@@ -24,6 +24,8 @@ const char* error_message(ErrorCode code) {
       return "depth was chosen, but the frame has no depth image";
     case ErrorCode::kFrameWithoutIntensity:
       return "intensity was chosen, but the frame has no intensity image";
+    case ErrorCode::kFrameRefused:
+      return "the frame cannot be right, and was not searched";
     case ErrorCode::kModelTruncated:
       return "the model file is shorter than its header says";
     case ErrorCode::kModelForeign:

@@ -57,6 +57,7 @@ struct Detector::Impl {
                              const DetectRequest& request, DetectionReport& report);
   void explain(const Frame& frame, const DetectRequest& request, std::size_t count,
                DetectionReport& report);
+  std::optional<RejectedPose> best_rejected(const PoseContext& context, std::size_t count) const;
 
   template <class Work>
   auto timed(Stage stage, DetectionReport& report, Work&& work) {
@@ -81,6 +82,7 @@ struct Detector::Impl {
   std::span<SymmetryTransforms> symmetries;  // of the models
   std::span<Hypothesis> candidates;          // all leaf candidates of one model
   std::span<Hypothesis> hypotheses;
+  std::size_t looked_at = 0;  // of the hypotheses: those that lived last, or were dropped last
   std::span<Detection> detections;
 };
 
@@ -190,6 +192,7 @@ std::size_t Detector::Impl::search_model(int model_index, std::span<Hypothesis> 
 std::size_t Detector::Impl::estimate_poses(std::size_t count, const Deadline& deadline,
                                            const DetectRequest& request, DetectionReport& report) {
   const Scene scene(pyramid, kernels.pose);
+  looked_at = count;
   // Each step may use the time up to its share of what is left now: were one to use up all, no pose
   // would be finished. The shares are those of an unhurried run.
   auto until = [&](double share) {
@@ -211,6 +214,7 @@ std::size_t Detector::Impl::estimate_poses(std::size_t count, const Deadline& de
   auto suppress = [&](const SuppressLimits& limits) {
     count = timed(Stage::kSelect, report,
                   [&] { return selector.suppress(end, living(), limits, report); });
+    if (count > 0) looked_at = count;
   };
   align(coarse_alignment(scene), living(), coarse_end);
   suppress(limits_of_duplicates());  // half of them by now; spared the verification
@@ -253,6 +257,23 @@ void Detector::Impl::explain(const Frame& frame, const DetectRequest& request, s
         static_cast<int>(accepted - limit);
   }
   report.detections = detections.first(std::min(accepted, limit));
+  if (accepted == 0) report.best_rejected = best_rejected(context, looked_at);
+}
+
+// What came nearest to a detection: of the hypotheses that were dropped last the one with the
+// highest score, the first of equals. One that overlaps a better one counts with it, and none
+// outside the region of interest (dropped without a reason of its own).
+std::optional<RejectedPose> Detector::Impl::best_rejected(const PoseContext& context,
+                                                          std::size_t count) const {
+  const Hypothesis* best = nullptr;
+  for (const Hypothesis& h : hypotheses.first(count)) {
+    if (h.alive || h.drop_reason == DropReason::kOverlapsBetter ||
+        h.drop_reason == DropReason::kDuplicate)
+      continue;
+    if (best == nullptr || h.score > best->score) best = &h;
+  }
+  if (best == nullptr) return std::nullopt;
+  return RejectedPose{detection_of(context, *best), best->drop_reason};
 }
 
 }  // namespace binpick

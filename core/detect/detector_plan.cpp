@@ -26,6 +26,20 @@ int rounded_up(int value, int multiple) {
 
 }  // namespace
 
+int pyramid_level_count(std::span<const ObjectModel> models) {
+  int level_count = kFeatureLevel + 1;
+  for (const ObjectModel& model : models) {
+    const ModelInfo& info = model.info();
+    const int leaf = model.depth_count() - 1;
+    // Nearer than the reference distance the part is larger: coarser levels serve.
+    const double nearest_mm = model.distance_mm(info.scan_depth, 0);
+    const int nearer = std::max(
+        0, static_cast<int>(std::lround(std::log2(info.reference_distance_mm / nearest_mm))));
+    level_count = std::max(level_count, info.base_level + leaf - info.scan_depth + 2 + nearer);
+  }
+  return std::min(level_count, kPyramidLevelsMax);
+}
+
 DetectorPlan make_detector_plan(std::span<const ObjectModel> models, const DetectorLimits& limits,
                                 int thread_count) {
   BINPICK_ASSERT(!models.empty());
@@ -34,18 +48,11 @@ DetectorPlan make_detector_plan(std::span<const ObjectModel> models, const Detec
   plan.results_max = limits.results_max;
   plan.normal_codebook = models.front().info().normal_codebook;
   PyramidPlan& pyramid = plan.pyramid;
-  pyramid.level_count = kFeatureLevel + 1;
+  pyramid.level_count = pyramid_level_count(models);
   int offset = 0;
   for (const ObjectModel& model : models) {
     BINPICK_ASSERT(model.info().normal_codebook == plan.normal_codebook);
     const int leaf = model.depth_count() - 1;
-    // Nearer than the reference distance the part is larger: coarser levels serve.
-    const double nearest_mm = model.distance_mm(model.info().scan_depth, 0);
-    const int nearer = std::max(
-        0,
-        static_cast<int>(std::lround(std::log2(model.info().reference_distance_mm / nearest_mm))));
-    pyramid.level_count = std::max(
-        pyramid.level_count, model.info().base_level + leaf - model.info().scan_depth + 2 + nearer);
     for (int d = model.info().scan_depth; d <= leaf; ++d) {
       offset = std::max(offset, largest_offset(model, d));
       const int nodes =
@@ -59,7 +66,6 @@ DetectorPlan make_detector_plan(std::span<const ObjectModel> models, const Detec
         std::max(plan.search.scan.templates_max, static_cast<int>(scanned.templates.size()));
     plan.search.scan.features_max = std::max(plan.search.scan.features_max, features);
   }
-  pyramid.level_count = std::min(pyramid.level_count, kPyramidLevelsMax);
   pyramid.border = rounded_up(static_cast<int>(offset * kTemplateScaleMax) + 8, 4);
   const int align = 1 << (pyramid.level_count - 1);
   const int width =

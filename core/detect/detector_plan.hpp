@@ -46,6 +46,9 @@ struct DetectorPlan {
   }
 };
 
+// Levels of the pyramid that a detector of these models makes.
+int pyramid_level_count(std::span<const ObjectModel> models);
+
 // All models must share one normal codebook (asserted; the programs check it when they load
 // models).
 DetectorPlan make_detector_plan(std::span<const ObjectModel> models, const DetectorLimits& limits,

@@ -15,6 +15,7 @@ enum class ErrorCode : int {
   kRoiTooLarge = 105,            // larger than the detector was built for
   kFrameWithoutDepth = 106,      // depth was chosen, and the frame has no depth image
   kFrameWithoutIntensity = 107,  // intensity was chosen, and the frame has no intensity image
+  kFrameRefused = 108,           // by the frame check; detail: which FindingCode
   // Models
   kModelTruncated = 200,       // shorter than its header says
   kModelForeign = 201,         // not a model file at all

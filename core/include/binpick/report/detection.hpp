@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "binpick/geometry/pose.hpp"
@@ -99,8 +100,15 @@ const char* stage_name(Stage stage);
 
 inline constexpr int kTreeLevelsMax = 5;
 
+// What came nearest to a detection where there is none.
+struct RejectedPose {
+  Detection pose;
+  DropReason reason = DropReason::kBelowMinScore;
+};
+
 struct DetectionReport {
-  std::span<const Detection> detections;  // best score first; valid until the next detect()
+  std::span<const Detection> detections;      // best score first; valid until the next detect()
+  std::optional<RejectedPose> best_rejected;  // only where there are none
   std::array<double, kStageCount> stage_ms{};
   double total_ms = 0;
   bool cut_short = false;  // the deadline came before all was searched and verified
