@@ -7,9 +7,11 @@
 #include <span>
 
 #include "binpick/base/result.hpp"
+#include "binpick/check/frame_check.hpp"
 #include "binpick/geometry/pose.hpp"
 #include "binpick/report/detection.hpp"
 #include "config/config.hpp"
+#include "fixed_text.hpp"
 #include "modbus/command.hpp"
 #include "station/cause.hpp"
 
@@ -59,6 +61,7 @@ struct CycleResult {
   Cause cause = Cause::kNoResult;
   std::uint16_t no_pick_reasons = 0;  // bits of NoPickReason
   Error error;                        // what core or driver said, behind a fault
+  FrameFindings findings;             // of the frame that was searched, or refused
   bool late = false;                  // the answer came after its deadline
   int recipe = 0;
   PoseFrame pose_frame = PoseFrame::kCamera;
@@ -81,5 +84,8 @@ enum class StationState : int {
   kFault = 4,      // the last order failed; the next one is tried, unless faults are latched
 };
 const char* station_state_name(StationState state);
+
+// What a person reads of CycleResult::error. Allocates nothing.
+void write_error(const Error& error, FixedText& text);
 
 }  // namespace binpick::app

@@ -30,4 +30,10 @@ const char* station_state_name(StationState state) {
   return kNames[static_cast<int>(state)];
 }
 
+void write_error(const Error& error, FixedText& text) {
+  if (error.code != ErrorCode::kFrameTooLarge) return text.add(error_message(error.code));
+  text.print("a frame is %lldx%lld px: raise sensor.width_max and sensor.height_max",
+             error.detail >> 16, error.detail & 0xFFFF);
+}
+
 }  // namespace binpick::app
