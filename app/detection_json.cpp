@@ -72,6 +72,10 @@ ordered_json to_json(const DetectionReport& report, std::span<const std::string>
   for (const Detection& d : report.detections) {
     json["detections"].push_back(to_json(d, model_names));
   }
+  if (report.best_rejected) {
+    json["best_rejected"] = to_json(report.best_rejected->pose, model_names);
+    json["best_rejected"]["reason"] = drop_reason_name(report.best_rejected->reason);
+  }
   json["total_ms"] = report.total_ms;
   json["cut_short"] = report.cut_short;
   for (int i = 0; i < kStageCount; ++i) {

@@ -12,8 +12,9 @@ namespace binpick::app {
 // A unit quaternion with w >= 0, in the order w, x, y, z.
 std::array<double, 4> quaternion_wxyz(const Mat3& R);
 
-// Detections with pose (4x4 row-major, and quaternion with translation) and evidence, times of
-// stages and levels, candidates of levels, what was dropped and why.
+// Detections (without any: the best rejected pose, and why) with pose (4x4 row-major, and
+// quaternion with translation) and evidence, times of stages and levels, candidates of levels, what
+// was dropped and why.
 nlohmann::ordered_json to_json(const DetectionReport& report,
                                std::span<const std::string> model_names);
 

@@ -10,6 +10,7 @@
 #include "cli/progress.hpp"
 #include "cli/sensor_arguments.hpp"
 #include "error_text.hpp"
+#include "frame_findings.hpp"
 #include "sensor/frame_writer.hpp"
 #include "sensor/live_sensor.hpp"
 
@@ -42,6 +43,7 @@ int capture(const CaptureArguments& a) {
   SensorSession& session = sensor.session();
   Progress progress("capture");
   std::string fault;
+  FindingsTold told;
   while (writer.frame_count() < a.count) {
     const auto within =
         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(a.timeout_s));
@@ -54,6 +56,9 @@ int capture(const CaptureArguments& a) {
       fault = error_text(frame.error());
       break;
     }
+    for (const std::string& sentence : told.fresh(check_frame(frame.value().frame(), {})))
+      std::fprintf(stderr, "binpick: warning: frame %d: %s\n", writer.frame_count(),
+                   sentence.c_str());
     writer.write(frame.value().frame());
     progress.update(static_cast<double>(writer.frame_count()) / a.count);
   }

@@ -13,6 +13,7 @@
 #include "cli/notes.hpp"
 #include "cli/number_between.hpp"
 #include "error_text.hpp"
+#include "frame_findings.hpp"
 #include "replace_file.hpp"
 #include "setup_error.hpp"
 #include "sized_detector.hpp"
@@ -114,6 +115,12 @@ int detect_parts(const DetectArguments& arguments) {
   run.frame = loaded.frame.view();
   run.frame_name = loaded.name;
   if (!roi.whole_image()) run.frame.roi = roi;
+
+  run.findings = check_frame(run.frame, {models, {}, run.request.modality});
+  if (const Finding* refusal = run.findings.refusal()) {
+    throw SetupError(run.frame_name + ": " +
+                     finding_text(*refusal, [&](int model) { return run.part_name(model); }));
+  }
 
   ThreadPool pool(arguments.threads);
   const DetectorLimits limits = limits_of(run.frame, arguments.max_results);

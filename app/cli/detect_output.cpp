@@ -5,6 +5,7 @@
 
 #include "binpick/geometry/angle.hpp"
 #include "detection_json.hpp"
+#include "frame_findings.hpp"
 #include "overlay/overlay.hpp"
 #include "replace_file.hpp"
 
@@ -80,8 +81,28 @@ std::string held(double deviation, bool observable) {
   return observable ? text : "loose";
 }
 
+void print_findings(const DetectRun& run) {
+  const auto name = [&](int model) { return run.part_name(model); };
+  for (const Finding& finding : run.findings.found())
+    std::printf("warning: %s\n", finding_text(finding, name).c_str());
+}
+
+void print_why_none(const DetectRun& run, const DetectionReport& report) {
+  if (!report.best_rejected) {
+    if (run.findings.count == 0) std::printf("nothing in the frame resembles the part\n");
+    return;
+  }
+  const auto& [pose, reason] = *report.best_rejected;
+  const Vec3& t = pose.T_cam_obj.t_mm;
+  std::printf("best rejected pose: %s at %.1f %.1f %.1f mm, score %.3f (needed: %.3g), %s\n",
+              run.part_name(pose.model_index).c_str(), t.x(), t.y(), t.z(), pose.score,
+              run.request.min_score, drop_reason_name(reason));
+}
+
 void print_report(const DetectRun& run, const DetectionReport& report) {
   std::printf("%s: %zu found\n", run.frame_name.c_str(), report.detections.size());
+  print_findings(run);
+  if (report.detections.empty()) print_why_none(run, report);
   if (!report.detections.empty()) {
     std::printf("%4s %-16s %6s %27s %35s %6s %6s %6s %7s %7s %7s\n", "", "part", "score",
                 "x, y, z (mm)", "quaternion w, x, y, z", "seen", "depth", "edges", "res(mm)",
@@ -111,6 +132,7 @@ void print_report(const DetectRun& run, const DetectionReport& report) {
 
 std::string report_json(const DetectRun& run, const DetectionReport& report) {
   ordered_json json = {{"frame", frame_json(run)}, {"settings", settings_json(run)}};
+  json["diagnostics"] = to_json(run.findings, [&](int model) { return run.part_name(model); });
   json.update(to_json(report, run.model_names()));
   return json.dump(2) + "\n";
 }

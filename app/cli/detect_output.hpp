@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "binpick/check/frame_check.hpp"
 #include "binpick/detect/detector.hpp"
 #include "binpick/train/mesh.hpp"
 #include "model_file.hpp"
@@ -19,8 +20,10 @@ struct DetectRun {
   DetectorParams params;
   DetectRequest request;
   int threads = 1;
+  FrameFindings findings;  // of the frame, before the search
 
   std::vector<std::string> model_names() const;
+  std::string part_name(int model) const { return files[static_cast<std::size_t>(model)].name(); }
 };
 
 void print_report(const DetectRun& run, const DetectionReport& report);

@@ -24,6 +24,7 @@
 #include "eval/sweep.hpp"
 #include "eval/sweep_tables.hpp"
 #include "eval/table.hpp"
+#include "exit_status.hpp"
 #include "replace_file.hpp"
 #include "setup_error.hpp"
 #include "thread_pool.hpp"
@@ -247,7 +248,8 @@ int run(const Options& options) {
   }
   if (!run.faults.empty())
     s.talk.note(std::to_string(run.faults.size()) + " fault(s), named above");
-  return run.faults.empty() ? 0 : 1;
+  if (run.faults.empty()) return kDone;
+  return run.frames.empty() ? kCannotStart : kFailure;
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "cli/number_between.hpp"
 #include "cli/sensor_arguments.hpp"
 #include "error_text.hpp"
+#include "frame_findings.hpp"
 
 namespace binpick::app {
 namespace {
@@ -98,6 +99,8 @@ int measure(const SensorArguments& arguments, double seconds, std::size_t payloa
   const auto end =
       begun + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
   ErrorCode last = ErrorCode::kNone;
+  FindingsTold told;
+  std::vector<std::string> advice;
   while (Clock::now() < end) {
     if (spec.trigger == drivers::TriggerSource::kSoftware &&
         camera->trigger().code != ErrorCode::kNone)
@@ -105,6 +108,9 @@ int measure(const SensorArguments& arguments, double seconds, std::size_t payloa
     const Result<FrameRef> frame =
         camera->wait_frame(std::min(end, Clock::now() + std::chrono::seconds(1)));
     last = frame.ok() ? ErrorCode::kNone : frame.error().code;
+    if (!frame.ok()) continue;
+    for (const std::string& sentence : told.fresh(check_frame(frame.value().frame(), {})))
+      advice.push_back(sentence);
   }
   const double took_s = std::chrono::duration<double>(Clock::now() - begun).count();
   const drivers::CameraCounters counters = camera->counters();
@@ -116,6 +122,7 @@ int measure(const SensorArguments& arguments, double seconds, std::size_t payloa
     std::printf(
         "advice: frames or packets were lost: larger socket buffers, larger packets, or a "
         "packet delay at the sensor\n");
+  for (const std::string& sentence : advice) std::printf("advice: %s\n", sentence.c_str());
   if (counters.frames > 0) return 0;
   std::printf("no frame came%s%s\n", last == ErrorCode::kNone ? "" : ": ",
               last == ErrorCode::kNone ? "" : error_message(last));

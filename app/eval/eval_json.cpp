@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "eval/score_json.hpp"
+#include "frame_findings.hpp"
 
 namespace binpick::app {
 namespace {
@@ -21,10 +22,13 @@ json frame_to_json(const drivers::FrameId& id, const FrameRun& frame) {
   }
   for (int i = 0; i < kDropReasonCount; ++i)
     dropped[drop_reason_name(static_cast<DropReason>(i))] = r.dropped[i];
-  return {{"scene_id", id.scene_id},  {"im_id", id.im_id},
-          {"obj_ids", frame.objects}, {"time", frame.time_s},
-          {"stage_ms", stages},       {"levels", levels},
-          {"dropped", dropped},       {"detections", frame.detections}};
+  json diagnostics = json::array();
+  for (const Finding& finding : frame.findings.found())
+    diagnostics.push_back(finding_name(finding.code));
+  return {
+      {"diagnostics", diagnostics}, {"scene_id", id.scene_id}, {"im_id", id.im_id},
+      {"obj_ids", frame.objects},   {"time", frame.time_s},    {"stage_ms", stages},
+      {"levels", levels},           {"dropped", dropped},      {"detections", frame.detections}};
 }
 
 }  // namespace

@@ -35,7 +35,12 @@ std::map<FrameId, double> EvalRun::times_s() const {
 void run_group(const drivers::BopDataset& dataset, const EvalPlan& plan, const CameraGroup& group,
                const ModelSet& models, const EvalSettings& settings, WorkerPool& pool,
                const EvalTalk& talk, const EvalOutput& output, EvalRun& run) {
+  FindingsTold told;
   const auto search = [&](const FrameVisit& visit) -> Result<int> {
+    for (const std::string& sentence : told.fresh(visit.findings, object_name(models))) {
+      if (talk.note && !settings.disturb)
+        talk.note("frame " + drivers::frame_name(visit.wanted.id) + ": " + sentence);
+    }
     if (settings.disturb) settings.disturb(visit.wanted.id, visit.frame);
     const Frame view = visit.frame.view();
     const std::int64_t begin_ns = monotonic_ns();
@@ -43,6 +48,7 @@ void run_group(const drivers::BopDataset& dataset, const EvalPlan& plan, const C
     const double time_s = static_cast<double>(monotonic_ns() - begin_ns) * 1e-9;
     if (!report.ok()) return report.error();
     keep_report(report.value(), visit.wanted, models, time_s, output, run);
+    run.frames[visit.wanted.id].findings = visit.findings;
     return 0;
   };
   visit_frames(dataset, plan, group, models, settings.search, pool, talk, "searching", run.faults,

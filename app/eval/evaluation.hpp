@@ -15,6 +15,7 @@ namespace binpick::app {
 // The account of one detect() call.
 struct FrameRun {
   std::set<int> objects;
+  FrameFindings findings;
   double time_s = 0;  // from the frame in memory to the poses
   std::size_t detections = 0;
   DetectionReport report;  // without the detections, which the detector takes back

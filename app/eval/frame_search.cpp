@@ -34,6 +34,12 @@ DetectorLimits limits_of(const EvalPlan& plan, const CameraGroup& group, const L
 
 }  // namespace
 
+PartName object_name(const ModelSet& models) {
+  return [&models](int model) {
+    return "object " + std::to_string(models.origins()[static_cast<std::size_t>(model)].obj_id);
+  };
+}
+
 void visit_frames(const drivers::BopDataset& dataset, const EvalPlan& plan,
                   const CameraGroup& group, const ModelSet& models, const SearchSettings& settings,
                   WorkerPool& pool, const EvalTalk& talk, const std::string& doing,
@@ -59,6 +65,13 @@ void visit_frames(const drivers::BopDataset& dataset, const EvalPlan& plan,
     for (const int obj_id : wanted.objects) {
       if (const int index = models.index_of(obj_id); index >= 0) indices.push_back(index);
     }
+    const FrameFindings findings =
+        indices.empty() ? check_frame(frame.view(), {{}, {}, settings.modality})
+                        : check_frame(frame.view(), {models.models(), indices, settings.modality});
+    if (const Finding* refusal = findings.refusal()) {
+      fault(wanted.id, finding_text(*refusal, object_name(models)));
+      continue;
+    }
     if (indices.empty()) {
       fault(wanted.id, "there is no model of anything in it");
       continue;
@@ -73,7 +86,7 @@ void visit_frames(const drivers::BopDataset& dataset, const EvalPlan& plan,
     request.modality = settings.modality;
     request.max_results = settings.max_results;
     request.min_score = settings.min_score;
-    const Result<int> visited = visit({wanted, frame, sized->detector(), request});
+    const Result<int> visited = visit({wanted, frame, sized->detector(), request, findings});
     if (!visited.ok()) fault(wanted.id, error_text(visited.error()));
   }
   if (talk.progress && !group.frames.empty()) talk.progress(doing, 1.0);

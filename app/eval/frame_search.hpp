@@ -3,9 +3,11 @@
 
 #include <functional>
 
+#include "binpick/check/frame_check.hpp"
 #include "binpick/detect/detector.hpp"
 #include "eval/eval_plan.hpp"
 #include "eval/model_set.hpp"
+#include "frame_findings.hpp"
 
 namespace binpick::app {
 
@@ -22,10 +24,14 @@ struct FrameVisit {
   drivers::LoadedFrame& frame;
   Detector& detector;
   const DetectRequest& request;
+  const FrameFindings& findings;
 };
 
-// A frame that cannot be read, or of whose objects there is no model, is a fault, noted and handed
-// to `fault`; an error that `visit` returns is another.
+// What findings call the set's models, which outlive it.
+PartName object_name(const ModelSet& models);
+
+// A frame that cannot be read, that can only be a mistake, or of whose objects there is no model,
+// is a fault, noted and added to `faults`; an error that `visit` returns is another.
 void visit_frames(const drivers::BopDataset& dataset, const EvalPlan& plan,
                   const CameraGroup& group, const ModelSet& models, const SearchSettings& settings,
                   WorkerPool& pool, const EvalTalk& talk, const std::string& doing,

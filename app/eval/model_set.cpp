@@ -4,6 +4,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "binpick/check/frame_check.hpp"
+
 namespace binpick::app {
 namespace {
 
@@ -47,6 +49,8 @@ GroupMeasurements measure(const ModelSetRequest& request,
       const drivers::LoadedFrame frame =
           request.dataset.load_frame(request.plan.scenes.at(id.scene_id), id.im_id);
       if (found.camera.width == 0) found.camera = frame.camera;
+      // What can only be a mistake trains nothing; it is named when its turn to be searched comes.
+      if (check_frame(frame.view(), {}).refusal() != nullptr) continue;
       if (const auto range = measured_range(frame.view())) found.ranges[i] = *range;
     } catch (const DatasetError&) {
       // Named when its turn to be looked at comes.

@@ -285,7 +285,7 @@ class DetectTest(CliTest):
                 self.assertEqual(run.returncode, USAGE, run.stderr)
         for roi in ("5000,0,100,100", "0,-500,10,10"):
             with self.subTest(roi=roi):
-                self.refused(FAILURE, ["region of interest"], *self.detect(f"--roi={roi}"))
+                self.refused(CANNOT_START, ["region of interest"], *self.detect(f"--roi={roi}"))
 
     def test_values(self):
         for option, value in (("--max-results", "0"), ("--max-results", "x"),
