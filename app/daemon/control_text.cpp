@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "frame_findings.hpp"
+
 namespace binpick::app {
 namespace {
 
@@ -131,13 +133,20 @@ std::string result_json(const CycleResult& r) {
                {"detections", r.detections},
                {"page", r.page},
                {"pose_frame", r.pose_frame == PoseFrame::kBase ? "base" : "camera"}};
-  if (r.error.code != ErrorCode::kNone) json["error"] = error_message(r.error.code);
+  if (r.error.code != ErrorCode::kNone) {
+    std::array<char, 160> memory;
+    FixedText text(memory);
+    write_error(r.error, text);
+    json["error"] = std::string(text.text());
+  }
   json["times_ms"] = times_json(r.times);
   for (int i = 0; i < kStageCount; ++i)
     json["stages_ms"][stage_name(static_cast<Stage>(i))] = r.stage_ms[static_cast<std::size_t>(i)];
   for (int i = 0; i < kDropReasonCount; ++i)
     json["dropped"][drop_reason_name(static_cast<DropReason>(i))] =
         r.dropped[static_cast<std::size_t>(i)];
+  json["diagnostics"] =
+      to_json(r.findings, [&](int) { return "the part of recipe " + std::to_string(r.recipe); });
   json["picks"] = Json::array();
   for (const Pick& pick : r.picks) {
     json["picks"].push_back({{"T_ref_pick", matrix_json(pick.T_ref_pick)},

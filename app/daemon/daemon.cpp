@@ -6,6 +6,7 @@
 #include "clock.hpp"
 #include "config/config_file.hpp"
 #include "daemon/thread_setup.hpp"
+#include "frame_findings.hpp"
 #include "sensor/sensor_spec.hpp"
 #include "setup_error.hpp"
 
@@ -128,6 +129,7 @@ void Daemon::turn(int wait_ms) {
   tell_sensor();
   tell_recorder();
   tell_replaced();
+  tell_refused_clients();
   feed_watchdog();
 }
 
@@ -170,12 +172,16 @@ void Daemon::tell_answers() {
     if (last.number == told_[static_cast<std::size_t>(i)]) continue;
     told_[static_cast<std::size_t>(i)] = last.number;
     const CycleResult& r = last.result;
+    tell_findings(r);
     if (source == OrderSource::kControl) control_.answer(board_.last(source).result);
-    const char* error = r.error.code == ErrorCode::kNone ? "" : error_message(r.error.code);
+    std::array<char, 160> memory;
+    FixedText error(memory);
+    if (r.error.code != ErrorCode::kNone) write_error(r.error, error);
     if (is_fault(r.cause)) {
-      log_.about_cycle(LogLevel::kWarning, r.cycle, cause_name(r.cause), "cycle %llu: %s: %s%s%s",
+      log_.about_cycle(LogLevel::kWarning, r.cycle, cause_name(r.cause), "cycle %llu: %s: %s%s%.*s",
                        static_cast<unsigned long long>(r.cycle), order_name(r.order.code),
-                       cause_name(r.cause), *error ? ": " : "", error);
+                       cause_name(r.cause), error.length() > 0 ? ": " : "",
+                       static_cast<int>(error.length()), error.text().data());
     } else {
       log_.about_cycle(LogLevel::kDebug, r.cycle, cause_name(r.cause),
                        "cycle %llu: %s: %s, %zu picks of %d, grab %.1f detect %.1f total %.1f ms",
@@ -184,6 +190,28 @@ void Daemon::tell_answers() {
                        r.times.detect_ms, r.times.total_ms);
     }
   }
+}
+
+// Once a change, not once a cycle.
+void Daemon::tell_findings(const CycleResult& r) {
+  if (r.order.code != OrderCode::kDetect && r.order.code != OrderCode::kProcess) return;
+  std::uint32_t found = 0;
+  for (const Finding& finding : r.findings.found()) {
+    const std::uint32_t bit = std::uint32_t{1} << static_cast<int>(finding.code);
+    const bool told = ((found | findings_told_) & bit) != 0;
+    found |= bit;
+    if (told) continue;
+    std::array<char, LogLine::kTextBytes> memory;
+    FixedText text(memory);
+    const auto model = static_cast<std::size_t>(finding.model);
+    write_finding(finding, finding.model < 0 ? "" : recipes_.files()[model]->name().c_str(), text);
+    text.add("; ");
+    write_advice(finding, text);
+    log_.about_cycle(LogLevel::kWarning, r.cycle, cause_name(r.cause), "cycle %llu: frame: %.*s",
+                     static_cast<unsigned long long>(r.cycle), static_cast<int>(text.length()),
+                     text.text().data());
+  }
+  findings_told_ = found;
 }
 
 // Once a change, not once a look.
@@ -222,6 +250,16 @@ void Daemon::tell_recorder() {
                static_cast<unsigned long long>(lost - records_lost_told_),
                c.last_errno != 0 ? std::strerror(c.last_errno) : "the disk is too slow");
   records_lost_told_ = lost;
+}
+
+void Daemon::tell_refused_clients() {
+  if (!modbus_) return;
+  const std::uint64_t refused = modbus_->server().counters()[modbus::Count::kRefusedLimit];
+  if (refused == refused_clients_told_) return;
+  log_.warning("Modbus: %llu clients refused: all %d places of modbus.clients_max are taken",
+               static_cast<unsigned long long>(refused - refused_clients_told_),
+               config_.modbus.clients_max);
+  refused_clients_told_ = refused;
 }
 
 void Daemon::tell_replaced() {

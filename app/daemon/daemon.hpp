@@ -47,12 +47,14 @@ class Daemon {
   void handle_signals();
   void reload();
   void tell_answers();
+  void tell_findings(const CycleResult& result);
   void tell_sensor();
   void feed_watchdog();
   std::string status_text() const;
   bool record();
   void tell_recorder();
   void tell_replaced();
+  void tell_refused_clients();
   std::size_t lock_memory_first();
   void tell_refused(const std::string& refused);
   ThreadPool make_workers();
@@ -85,9 +87,10 @@ class Daemon {
 
   std::atomic<bool> ending_{false};
   std::array<std::uint64_t, ResultBoard::kSources> told_{};
+  std::uint32_t findings_told_ = 0;  // bit: FindingCode
   std::uint64_t progress_fed_ = 0, opened_told_ = 0, losses_told_ = 0, open_failures_told_ = 0;
   std::string open_error_told_;
-  std::uint64_t records_lost_told_ = 0, replaced_told_ = 0;
+  std::uint64_t records_lost_told_ = 0, replaced_told_ = 0, refused_clients_told_ = 0;
 };
 
 }  // namespace binpick::app

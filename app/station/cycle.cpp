@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "frame_findings.hpp"
 #include "modbus/answer.hpp"
 #include "recorder/depth_codes.hpp"
 
@@ -41,6 +42,7 @@ Cause cause_of(ErrorCode code, bool deadline_came) {
     case ErrorCode::kRoiTooLarge:
     case ErrorCode::kFrameWithoutDepth:
     case ErrorCode::kFrameWithoutIntensity:
+    case ErrorCode::kFrameRefused:
     case ErrorCode::kModelCameraMismatch:
       return Cause::kDetectionFailed;
     default:
@@ -50,19 +52,6 @@ Cause cause_of(ErrorCode code, bool deadline_came) {
 
 constexpr std::uint16_t bit(NoPickReason reason) {
   return static_cast<std::uint16_t>(reason);
-}
-
-bool has_measurement(const Frame& frame) {
-  Roi roi = frame.roi;
-  if (roi.whole_image()) roi = {0, 0, frame.depth_mm.width, frame.depth_mm.height};
-  const int bottom = std::min(roi.y + roi.height, frame.depth_mm.height);
-  const int right = std::min(roi.x + roi.width, frame.depth_mm.width);
-  for (int y = std::max(0, roi.y); y < bottom; ++y) {
-    const float* row = frame.depth_mm.row(y);
-    if (std::any_of(row + std::max(0, roi.x), row + right, [](float z) { return z > 0; }))
-      return true;
-  }
-  return false;
 }
 
 }  // namespace
@@ -118,6 +107,7 @@ StationState Cycle::begin(const Order& order) {
   begun_ns_ = parts_.clock();
   result_.order = order;
   result_.error = {};
+  result_.findings = {};
   result_.late = false;
   result_.no_pick_reasons = 0;
   result_.times = {};
@@ -242,6 +232,7 @@ StationState Cycle::compute() {
   result_.capture_ns = capture_ns_;
   result_.capture_unix_ns = capture_unix_ns_;
   result_.frame_sequence = frame.sequence;
+  if (refuses(frame)) return end(Cause::kDetectionFailed);
   DetectRequest request;
   request.model_indices = recipe_->models;
   request.modality = recipe_->modality;
@@ -259,10 +250,22 @@ StationState Cycle::compute() {
     return end(cause_of(report.error().code, false));
   }
   rank(report.value());
-  explain(frame, report.value());
+  explain(report.value());
   result_.times.rank_ms = ms_between(after_ns, parts_.clock());
   if (!report.value().cut_short) return end(Cause::kDone);
   return end(result_.picks.empty() ? Cause::kDeadlineMissed : Cause::kCutShort);
+}
+
+// What can only be a mistake is not searched.
+bool Cycle::refuses(const Frame& frame) {
+  result_.findings =
+      check_frame(frame, {parts_.recipes.models(), recipe_->models, recipe_->modality});
+  for (const Finding& finding : result_.findings.found())
+    result_.no_pick_reasons |= no_pick_reason_of(finding.code);
+  const Finding* refusal = result_.findings.refusal();
+  if (refusal == nullptr) return false;
+  result_.error = {ErrorCode::kFrameRefused, static_cast<long long>(refusal->code), "frame"};
+  return true;
 }
 
 int Cycle::wanted_picks() const {
@@ -287,7 +290,7 @@ Pose Cycle::T_base_cam() const {
   return T_base_flange_at_capture_ * settings_.T_flange_cam;
 }
 
-void Cycle::explain(const Frame& frame, const DetectionReport& report) {
+void Cycle::explain(const DetectionReport& report) {
   std::uint16_t& reasons = result_.no_pick_reasons;
   const auto dropped = [&](DropReason reason) {
     return report.dropped[static_cast<std::size_t>(reason)] > 0;
@@ -300,8 +303,6 @@ void Cycle::explain(const Frame& frame, const DetectionReport& report) {
   if (dropped(DropReason::kResultLimit) || result_.picks.size() < report.detections.size())
     reasons |= bit(NoPickReason::kLimit);
   if (!result_.picks.empty() || reasons & bit(NoPickReason::kLimit)) return;
-  const bool looked_at_depth = recipe_->modality != Modality::kIntensity && !frame.depth_mm.empty();
-  if (looked_at_depth && !has_measurement(frame)) reasons |= bit(NoPickReason::kNoMeasurement);
   if (reasons == 0) reasons |= bit(NoPickReason::kNothingFound);
 }
 

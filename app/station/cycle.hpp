@@ -66,7 +66,8 @@ class Cycle {
   StationState grab();
   StationState compute();
   StationState end(Cause cause);
-  void explain(const Frame& frame, const DetectionReport& report);
+  bool refuses(const Frame& frame);
+  void explain(const DetectionReport& report);
   void rank(const DetectionReport& report);
   void finish(StationState state);
   void enter(StationState state);
