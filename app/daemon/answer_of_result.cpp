@@ -16,13 +16,11 @@ std::uint16_t held(int value) {
 }
 
 std::uint16_t flags_of(const Pick& pick) {
-  using enum map::PickFlagsBit;
-  const auto bit = [](bool set, map::PickFlagsBit which) {
-    return set ? static_cast<int>(which) : 0;
-  };
-  return static_cast<std::uint16_t>(bit(pick.visible_fraction < kPartlyHiddenBelow, kPartlyHidden) |
-                                    bit(pick.symmetric, kSymmetric) |
-                                    bit(pick.pose_ambiguous, kPoseAmbiguous));
+  using Flag = map::PickFlagsBit;
+  const auto bit = [](bool set, Flag which) { return set ? static_cast<int>(which) : 0; };
+  return static_cast<std::uint16_t>(
+      bit(pick.visible_fraction < kPartlyHiddenBelow, Flag::kPartlyHidden) |
+      bit(pick.symmetric, Flag::kSymmetric) | bit(pick.pose_ambiguous, Flag::kPoseAmbiguous));
 }
 
 void fill_page(const CycleResult& result, modbus::AnswerSnapshot& answer) {

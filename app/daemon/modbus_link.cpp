@@ -73,14 +73,22 @@ void ModbusLink::run() {
     turn();
 }
 
+// A heartbeat in the command's own write counts for the command.
 void ModbusLink::put(const modbus::TakenCommand& command) {
+  tell_heartbeat();
   station_->offer(order_of_command(command.registers, encoding_,
                                    flange_needed_.load(std::memory_order_relaxed),
                                    command.taken_ns));
 }
 
-void ModbusLink::turn() {
+// Looked at and told as one step: the server's thread and the link's do both.
+void ModbusLink::tell_heartbeat() {
+  const std::lock_guard lock(heartbeat_mutex_);
   station_->set_plc_lost(server_.plc_heartbeat() == modbus::Heartbeat::kLost);
+}
+
+void ModbusLink::turn() {
+  tell_heartbeat();
   const std::lock_guard lock(publish_mutex_);
   ++answer_.station_heartbeat;
   publish();

@@ -44,6 +44,7 @@ class ModbusLink final : public StationSink, private modbus::CommandSink {
   void put(const modbus::TakenCommand& command) override;
   void run();
   void turn();
+  void tell_heartbeat();
   // publish_mutex_ is held.
   void acknowledge(const StationStatus& status);
   void publish();
@@ -57,6 +58,7 @@ class ModbusLink final : public StationSink, private modbus::CommandSink {
   const SensorSession* session_ = nullptr;
   std::atomic<bool> flange_needed_;
 
+  std::mutex heartbeat_mutex_;
   mutable std::mutex publish_mutex_;  // the cycle's thread and this link's publish
   modbus::AnswerSnapshot answer_;
   modbus::AnswerRegisters registers_{};

@@ -134,5 +134,25 @@ class RulesTest(unittest.TestCase):
                 self.assertIn(f"k{name} = {register['address']};", text)
 
 
+class EveryBitIsSet(unittest.TestCase):
+    """Of each bit that the map defines, somewhere in the station's code sets it."""
+
+    # How the code names the bits of each list.
+    NAMES = {"state": r"\bStateBit::k", "no_pick_reasons": r"\b(NoPickReason(sBit)?|Reason)::k",
+             "pick_flags": r"\b(PickFlagsBit|Flag)::k"}
+
+    def test_by_the_station(self):
+        station = [path for folder in ("station", "daemon", "modbus")
+                   for path in sorted((ROOT / "app" / folder).glob("*.cpp"))]
+        code = "\n".join(path.read_text() for path in [*station, ROOT / "app/frame_findings.cpp"])
+        bits = load(MAP)["bits"]
+        self.assertEqual(set(bits), set(self.NAMES))
+        for name, entries in bits.items():
+            for entry in entries["values"]:
+                with self.subTest(f"{name}.{entry['name']}"):
+                    pattern = self.NAMES[name] + cpp_header.camel(entry["name"]) + r"\b"
+                    self.assertRegex(code, pattern)
+
+
 if __name__ == "__main__":
     unittest.main()
