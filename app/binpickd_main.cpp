@@ -33,6 +33,8 @@ int report(ExitStatus status, const std::string& message) {
 
 // What does not start a sensor: files, models and the memory plan.
 int look_only(const Arguments& arguments, const Config& config) {
+  camera_spec_of(config.sensor);  // for its faults
+  check_frame_sizes(config);
   const RecipeSet recipes(config);
   const MemoryPlan plan = make_memory_plan(config, recipes);
   if (arguments.plan) std::fputs(plan.text().c_str(), stdout);
@@ -49,6 +51,7 @@ int serve(const Config& config) {
   Log log(log_params);
   Notifier notifier;
   const drivers::CameraSpec spec = camera_spec_of(config.sensor);
+  check_frame_sizes(config);
   Daemon daemon(
       config, [spec] { return drivers::open_camera(spec); }, log, notifier);
   daemon.run();

@@ -34,6 +34,14 @@ const char* drop_reason_name(DropReason reason) {
   return "unknown";
 }
 
+FrameTooLargeError::FrameTooLargeError(const std::string& uri, int width_px, int height_px,
+                                       const FramePoolParams& planned)
+    : SensorError(uri + ": its frames are " + std::to_string(width_px) + "x" +
+                  std::to_string(height_px) + " px, planned are " +
+                  std::to_string(planned.width_max) + "x" + std::to_string(planned.height_max)),
+      width(width_px),
+      height(height_px) {}
+
 std::uint64_t CameraCounters::dropped_total() const {
   return std::accumulate(dropped.begin(), dropped.end(), std::uint64_t{0}) -
          dropped_count(DropReason::kSuperseded);

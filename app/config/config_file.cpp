@@ -93,10 +93,8 @@ void check_recipe(const RecipeConfig& recipe, ConfigReader& reader) {
 
 // What only the files together show.
 void check_together(const Config& c, std::vector<ConfigFault>& faults) {
-  // Where the key stands is read anew: only who has a fault pays for it.
   const auto fault = [&](const std::string& file, const char* key, const std::string& message) {
-    const std::string text = read_text(file, faults).value_or("");
-    ConfigReader(text, file, faults).fault(key, message);
+    faults.push_back(fault_at(file, key, message));
   };
   for (std::size_t i = 0; i < c.recipes.size(); ++i) {
     const RecipeConfig& recipe = c.recipes[i];
@@ -119,6 +117,13 @@ void check_together(const Config& c, std::vector<ConfigFault>& faults) {
 
 ConfigError::ConfigError(const std::vector<ConfigFault>& faults)
     : std::runtime_error(lines_of(faults)) {}
+
+ConfigFault fault_at(const std::string& file, const std::string& key, const std::string& message) {
+  std::vector<ConfigFault> faults;
+  const std::string text = read_text(file, faults).value_or("");
+  ConfigReader(text, file, faults).fault(key, message);
+  return faults.back();
+}
 
 Config read_config_text(std::string_view text, const std::string& file,
                         std::vector<ConfigFault>& faults) {

@@ -14,6 +14,10 @@ struct ConfigError : std::runtime_error {
   explicit ConfigError(const std::vector<ConfigFault>& faults);
 };
 
+// A fault of the file at the place of `key`; of the file as a whole where it is not written. Reads
+// the file anew: only who has a fault pays for it.
+ConfigFault fault_at(const std::string& file, const std::string& key, const std::string& message);
+
 // Throws ConfigError with a line a fault: unreadable files, syntax, unknown keys, wrong types,
 // values out of range, values that contradict each other. Relative names of files become paths.
 Config load_config(const std::string& path);

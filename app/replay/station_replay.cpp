@@ -51,6 +51,8 @@ ErrorCode fault_of(Cause cause) {
       return ErrorCode::kSensorFrameDropped;
     case Cause::kSensorRefused:
       return ErrorCode::kSensorRefused;
+    case Cause::kDetectionFailed:  // without a frame: it did not fit
+      return ErrorCode::kFrameTooLarge;
     default:
       return ErrorCode::kSensorLost;
   }

@@ -131,7 +131,7 @@ void SensorSession::set_state(SessionState state) {
   to_callers_.notify_all();
 }
 
-void SensorSession::note_failure(const char* message) {
+void SensorSession::note_failure(const std::string& message) {
   const std::lock_guard lock(mutex_);
   ++status_.open_failures;
   status_.last_error = message;
@@ -159,8 +159,13 @@ std::unique_ptr<drivers::Camera> SensorSession::connect() {
       std::vector<std::string> missing = camera->missing_features();
       const std::lock_guard lock(mutex_);
       camera_ = camera.get();
+      never_fits_.reset();
       missing_features_ = std::move(missing);
       return camera;
+    } catch (const drivers::FrameTooLargeError& e) {
+      note_failure(std::string(e.what()) + ": raise sensor.width_max and sensor.height_max");
+      const std::lock_guard lock(mutex_);
+      never_fits_ = drivers::frame_too_large(e.width, e.height);
     } catch (const std::exception& e) {
       note_failure(e.what());
     }
@@ -235,7 +240,8 @@ bool SensorSession::serve_request(drivers::Camera& camera, std::uint64_t request
     Result<FrameRef> result = camera.wait_frame(deadline);
     const bool over = Clock::now() >= deadline;
     if (!fits(result)) return false;
-    if (result.ok() || result.error().code == ErrorCode::kSensorEnd) {
+    if (result.ok() || result.error().code == ErrorCode::kSensorEnd ||
+        result.error().code == ErrorCode::kFrameTooLarge) {
       post(request, std::move(result));
       return true;
     }
@@ -263,7 +269,7 @@ bool SensorSession::serve_stream(drivers::Camera& camera) {
     Result<FrameRef> result = camera.wait_frame(std::min(deadline, Clock::now() + kIdlePeriod));
     if (ending()) return true;
     if (!fits(result)) return false;
-    if (result.ok()) {
+    if (result.ok() || result.error().code == ErrorCode::kFrameTooLarge) {
       std::uint64_t request = 0;
       {
         const std::lock_guard lock(mutex_);
@@ -346,6 +352,7 @@ Result<FrameRef> SensorSession::grab(TimePoint deadline) {
     last_resort_.begin();
   }
   const bool ready = status_.state == SessionState::kReady;
+  if (!ready && never_fits_) return *never_fits_;
   return Error{ready ? ErrorCode::kSensorTimeout : ErrorCode::kSensorLost, 0, "sensor"};
 }
 

@@ -68,7 +68,7 @@ class SensorSession {
   SensorSession& operator=(const SensorSession&) = delete;
 
   // A frame taken after this call (line trigger: or waiting already). Never later than the
-  // deadline. kSensorTimeout, kSensorLost, kSensorEnd.
+  // deadline. kSensorTimeout, kSensorLost, kSensorEnd; kFrameTooLarge: no frame will ever fit.
   Result<FrameRef> grab(TimePoint deadline);
   // False when the sensor is not ready by then.
   bool wait_ready(TimePoint deadline);
@@ -91,7 +91,7 @@ class SensorSession {
   bool fits(const Result<FrameRef>& result);
   void post(std::uint64_t request, Result<FrameRef> result);
   void set_state(SessionState state);
-  void note_failure(const char* message);
+  void note_failure(const std::string& message);
   void recover(bool in_use);
   bool pause(std::chrono::milliseconds time);  // false when the session ends
   bool ending() const;
@@ -107,6 +107,7 @@ class SensorSession {
   std::uint64_t requested_ = 0, answered_ = 0;  // numbers of grabs
   bool request_open_ = false;                   // somebody still waits for `requested_`
   std::optional<Result<FrameRef>> answer_;
+  std::optional<Error> never_fits_;       // of the sensor that cannot be opened for that
   std::optional<TimePoint> unfit_since_;  // the worker's own
   std::mutex grab_mutex_;                 // one grab at a time
   drivers::Camera* camera_ = nullptr;     // for its counters

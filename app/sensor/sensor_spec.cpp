@@ -2,7 +2,9 @@
 
 #include <cstdio>
 
+#include "binpick/drivers/bop_dataset.hpp"
 #include "binpick/drivers/loaded_frame.hpp"
+#include "config/config_file.hpp"
 #include "sensor/sensor_profile_file.hpp"
 
 namespace binpick::app {
@@ -31,6 +33,53 @@ drivers::CameraSpec camera_spec_of(const SensorConfig& config) {
   spec.paced = config.replay_paced;
   spec.split = config.replay_split;
   return spec;
+}
+
+namespace {
+
+struct Size {
+  int width, height;
+  std::string of;  // for messages
+};
+
+// The first frame of each scene of a recording, and what the camera file says.
+std::vector<Size> announced_sizes(const SensorConfig& config) {
+  std::vector<Size> sizes;
+  const auto add = [&](const CameraIntrinsics& camera, const std::string& of) {
+    sizes.push_back({camera.width, camera.height, of});
+  };
+  if (!config.camera_file.empty())
+    add(drivers::load_camera_file(config.camera_file).intrinsics, config.camera_file);
+  constexpr std::string_view kReplay = "replay:";
+  if (!config.uri.starts_with(kReplay)) return sizes;
+  try {
+    const drivers::BopDataset recording(config.uri.substr(kReplay.size()), config.replay_split);
+    for (const int id : recording.scene_ids()) {
+      const drivers::BopScene scene = recording.scene(id);
+      if (scene.frames.empty()) continue;
+      add(recording.load_frame(scene, scene.frames.begin()->first).camera, scene.path);
+    }
+  } catch (const drivers::DatasetError&) {
+  }
+  return sizes;
+}
+
+}  // namespace
+
+void check_frame_sizes(const Config& config) {
+  std::vector<ConfigFault> faults;
+  const auto check = [&](const char* key, int limit, int size, const Size& announced) {
+    if (size <= limit) return;
+    faults.push_back(fault_at(config.file, key,
+                              "is " + std::to_string(limit) + ", but " + announced.of + " has " +
+                                  std::to_string(announced.width) + "x" +
+                                  std::to_string(announced.height) + " px"));
+  };
+  for (const Size& announced : announced_sizes(config.sensor)) {
+    check("sensor.width_max", config.sensor.width_max, announced.width, announced);
+    check("sensor.height_max", config.sensor.height_max, announced.height, announced);
+    if (!faults.empty()) throw ConfigError(faults);
+  }
 }
 
 SessionParams session_params_of(const SensorConfig& config) {

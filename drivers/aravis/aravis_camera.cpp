@@ -111,6 +111,7 @@ void AravisCamera::start(FramePool& pool) {
   stop();
   lost_.store(false, std::memory_order_relaxed);
   pool_ = &pool;
+  require_control(camera_.get(), spec_.uri);
   const SensorSetup setup = set_up_sensor(features_, spec_);
   missing_features_ = drivers::missing_features(features_, spec_);
   rules_.formats = features_.pixel_formats();
@@ -152,11 +153,8 @@ void AravisCamera::check_sizes(const SensorSetup& setup, const FramePoolParams& 
   const auto area = [](int width, int height) {
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   };
-  if (setup.depth_width > pool.width_max || setup.depth_height > pool.height_max) {
-    features_.fail("the features Width and Height are " +
-                   text(setup.depth_width, setup.depth_height) + ", frames of up to " +
-                   text(pool.width_max, pool.height_max) + " were planned for");
-  }
+  if (setup.depth_width > pool.width_max || setup.depth_height > pool.height_max)
+    throw FrameTooLargeError(spec_.uri, setup.depth_width, setup.depth_height, pool);
   if (setup.payload_bytes == 0 || setup.payload_bytes < setup.depth_bytes) {
     features_.fail("the feature PayloadSize is " + std::to_string(setup.payload_bytes) +
                    ", the depth image alone has " + std::to_string(setup.depth_bytes) + " bytes");

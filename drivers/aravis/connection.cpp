@@ -58,4 +58,11 @@ GObjectPtr<ArvCamera> connect_sensor(const std::string& uri) {
   return camera;
 }
 
+void require_control(ArvCamera* camera, const std::string& uri) {
+  ArvDevice* device = arv_camera_get_device(camera);
+  if (!ARV_IS_GV_DEVICE(device) || arv_gv_device_is_controller(ARV_GV_DEVICE(device))) return;
+  if (!arv_gv_device_take_control(ARV_GV_DEVICE(device), nullptr))
+    throw SensorError(uri + ": " + kControlledElsewhere);
+}
+
 }  // namespace binpick::drivers

@@ -4,6 +4,7 @@
 #include <arv.h>
 
 #include <memory>
+#include <string_view>
 
 namespace binpick::drivers {
 
@@ -17,6 +18,10 @@ struct GFree {
   void operator()(gpointer memory) const { g_free(memory); }
 };
 
+// What GigE Vision calls "access-denied".
+inline constexpr const char* kControlledElsewhere =
+    "another program controls this sensor: close it there; if it was killed, wait some seconds";
+
 // Takes the place of a GError**; freed at the end of its scope.
 class CaughtError {
  public:
@@ -29,7 +34,12 @@ class CaughtError {
     return &error_;
   }
   explicit operator bool() const { return error_ != nullptr; }
-  const char* message() const { return error_ != nullptr ? error_->message : ""; }
+  const char* message() const {
+    if (error_ == nullptr) return "";
+    const bool denied =
+        std::string_view(error_->message).find("access-denied") != std::string_view::npos;
+    return denied ? kControlledElsewhere : error_->message;
+  }
 
  private:
   GError* error_ = nullptr;

@@ -238,7 +238,10 @@ Result<FrameRef> ReplayCamera::hand_on(DecodedFrame decoded) {
   if (!decoded.filled) {
     if (!decoded.loaded) return drop(DropReason::kIncomplete);
     const Frame view = decoded.loaded->view();
-    if (!pool_->fits(view.camera.width, view.camera.height)) return drop(DropReason::kSize);
+    if (!pool_->fits(view.camera.width, view.camera.height)) {
+      static_cast<void>(drop(DropReason::kSize));
+      return frame_too_large(view.camera.width, view.camera.height);
+    }
     fill(decoded);
   }
   if (!decoded.filled) return drop(DropReason::kPoolEmpty);

@@ -76,7 +76,10 @@ TEST(ReplayCamera, PacesFrames) {
 
 TEST(ReplayCamera, DropsWhatThePoolCannotHold) {
   Replay small(TriggerSource::kFreeRun, false, false, 2, 640);
-  EXPECT_EQ(small.wait().error().detail, static_cast<int>(DropReason::kSize));
+  const Error error = small.wait().error();
+  EXPECT_EQ(error.code, ErrorCode::kFrameTooLarge);
+  EXPECT_EQ(error.detail, frame_too_large(1280, 1024).detail) << "the frame's size";
+  EXPECT_EQ(small.camera->counters().dropped_count(DropReason::kSize), 1u);
   Replay one(TriggerSource::kFreeRun, false, false, 1);
   const Result<FrameRef> held = one.wait();
   ASSERT_TRUE(held.ok());

@@ -20,6 +20,17 @@ struct SensorError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// The sensor's frames are larger than the pool's slots.
+struct FrameTooLargeError : SensorError {
+  FrameTooLargeError(const std::string& uri, int width, int height, const FramePoolParams& planned);
+  int width, height;
+};
+
+// The same of one frame; error_text.hpp knows how to read it.
+inline Error frame_too_large(int width, int height) {
+  return {ErrorCode::kFrameTooLarge, (static_cast<long long>(width) << 16) + height, "frame size"};
+}
+
 // Why a frame was not handed on. The numbers are the `detail` of kSensorFrameDropped.
 enum class DropReason : int {
   kNone = 0,
@@ -63,7 +74,7 @@ class Camera {
   virtual void start(FramePool& pool) = 0;
   // The next frame (in free run: the newest, unless the spec wants each). Errors: kSensorTimeout;
   // kSensorFrameDropped as soon as a frame had to be dropped, so that the caller may trigger again;
-  // kSensorLost; kSensorEnd; kSensorNotStarted. Allocates nothing.
+  // kSensorLost; kSensorEnd; kSensorNotStarted; kFrameTooLarge. Allocates nothing.
   virtual Result<FrameRef> wait_frame(TimePoint deadline) = 0;
   // Software trigger: one frame. What came before is stale from here on. kNone, kSensorRefused (the
   // source is not triggered by software), kSensorLost. On a dead link it may take seconds.
