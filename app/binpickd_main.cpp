@@ -6,6 +6,7 @@
 
 #include "binpick/drivers/open_camera.hpp"
 #include "config/config_file.hpp"
+#include "config/pose_check.hpp"
 #include "daemon/daemon.hpp"
 #include "daemon/thread_setup.hpp"
 #include "exit_status.hpp"
@@ -31,8 +32,14 @@ int report(ExitStatus status, const std::string& message) {
   return status;
 }
 
+void warn(const Config& config) {
+  for (const ConfigFault& warning : pose_warnings(config))
+    std::fprintf(stderr, "binpickd: warning: %s\n", warning.text().c_str());
+}
+
 // What does not start a sensor: files, models and the memory plan.
 int look_only(const Arguments& arguments, const Config& config) {
+  warn(config);
   camera_spec_of(config.sensor);  // for its faults
   check_frame_sizes(config);
   const RecipeSet recipes(config);

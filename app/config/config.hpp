@@ -43,10 +43,13 @@ enum class Ranking : int { kScore = 0, kNearCamera, kHighBase };
 enum class PoseFrame : int { kCamera = 0, kBase };
 enum class Mounting : int { kFixed = 0, kFlange };
 
-// A rigid transform as people write it: turned about the fixed x, then y, then z axis, then moved.
+// A rigid transform as people write it: a position and a rotation in one of three ways, or a matrix
+// for both. What is not used is empty. RecipeSet's pose_of() reads it.
 struct WrittenPose {
   std::array<double, 3> position_mm{};
-  std::array<double, 3> rotation_deg{};
+  std::array<double, 3> rotation_deg{};  // about the fixed x, then y, then z axis
+  std::vector<double> quaternion_wxyz{}, quaternion_xyzw{};
+  std::vector<double> matrix{};  // 4x4, row by row
 };
 
 struct StationConfig {

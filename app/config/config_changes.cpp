@@ -35,6 +35,9 @@ class KeyWriter final : public KeyVisitor {
     for (const int value : values) all += std::to_string(value) + ",";
     add(key, all);
   }
+  void matrix(const Key& key, std::vector<double>& values, std::size_t, std::size_t) override {
+    numbers(key, values, {});
+  }
   void texts(const Key& key, std::vector<std::string>& values) override {
     std::string all;
     for (const std::string& value : values) all += value + '\0';
@@ -89,7 +92,10 @@ class LiveValues final : public KeyVisitor {
   void numbers(const Key& key, std::span<double> values, Range<double>) override {
     for (double& value : values) pass(key, numbers_, value);
   }
-  // Lists are never live: they size memory.
+  void matrix(const Key& key, std::vector<double>& values, std::size_t, std::size_t) override {
+    pass(key, lists_, values);
+  }
+  // Other lists are never live: they size memory.
   void integers(const Key&, std::vector<int>&, Range<int>) override {}
   void texts(const Key&, std::vector<std::string>&) override {}
 
@@ -111,6 +117,7 @@ class LiveValues final : public KeyVisitor {
   std::deque<bool> flags_;
   std::deque<int> integers_;
   std::deque<double> numbers_;
+  std::deque<std::vector<double>> lists_;
   std::deque<std::string> texts_;
 };
 

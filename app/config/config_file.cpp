@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "config/config_reader.hpp"
+#include "config/pose_check.hpp"
 #include "modbus/address_list.hpp"
 #include "setup_error.hpp"
 
@@ -68,6 +69,8 @@ void check_main(const Config& c, ConfigReader& reader) {
   if (c.sensor.reconnect_max_ms < c.sensor.reconnect_first_ms)
     reader.fault("sensor.reconnect_max_ms", "is less than sensor.reconnect_first_ms");
   check_addresses(c.modbus, reader);
+  check_pose(kBaseCamKeys, c.station.T_base_cam, reader);
+  check_pose(kFlangeCamKeys, c.station.T_flange_cam, reader);
   const bool real_time = c.threads.scheduling != Scheduling::kOther;
   if (real_time != (c.threads.priority > 0)) {
     const bool unset = real_time && !reader.wrote("threads.priority");
@@ -83,6 +86,7 @@ void check_main(const Config& c, ConfigReader& reader) {
 void check_recipe(const RecipeConfig& recipe, ConfigReader& reader) {
   if (recipe.number == 0 && !reader.wrote("number")) reader.fault("number", "must be set");
   if (recipe.models.empty()) reader.fault("models", "must name a file at least");
+  check_pose(kPickKeys, recipe.T_obj_pick, reader);
   const auto& roi = recipe.roi_px;
   const bool none = std::all_of(roi.begin(), roi.end(), [](double v) { return v == 0; });
   if (!none && (roi[2] < 16 || roi[3] < 16))

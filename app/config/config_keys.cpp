@@ -13,6 +13,15 @@ void choose(KeyVisitor& visitor, const Key& key, Enum& value, std::span<const ch
   value = static_cast<Enum>(index);
 }
 
+void visit_pose(const PoseKeys& keys, WrittenPose& pose, KeyVisitor& v) {
+  constexpr Range<double> kPosition{-kFar_mm, kFar_mm}, kAngle{-360, 360};
+  v.numbers({keys.position, kLive}, pose.position_mm, kPosition);
+  v.numbers({keys.rotation, kLive}, pose.rotation_deg, kAngle);
+  v.matrix({keys.wxyz, kLive}, pose.quaternion_wxyz, 1, 4);
+  v.matrix({keys.xyzw, kLive}, pose.quaternion_xyzw, 1, 4);
+  v.matrix({keys.matrix, kLive}, pose.matrix, 4, 4);
+}
+
 void visit_sensor(SensorConfig& c, KeyVisitor& v) {
   static constexpr const char* kTriggers[] = {"free_run", "software", "line"};
   v.text({"sensor.uri"}, c.uri);
@@ -42,7 +51,6 @@ void visit_station(StationConfig& c, KeyVisitor& v) {
   static constexpr const char* kRankings[] = {"score", "near_camera", "high_base"};
   static constexpr const char* kFrames[] = {"camera", "base"};
   static constexpr const char* kMountings[] = {"fixed", "flange"};
-  constexpr Range<double> kPosition{-kFar_mm, kFar_mm}, kAngle{-360, 360};
   v.texts({"station.recipes"}, c.recipes);
   v.integer({"station.recipe"}, c.recipe, {0, 65535});
   v.integer({"station.deadline_ms", kLive}, c.deadline_ms, {0, 60000});
@@ -51,10 +59,8 @@ void visit_station(StationConfig& c, KeyVisitor& v) {
   choose(v, {"station.ranking", kLive}, c.ranking, kRankings);
   choose(v, {"station.pose_frame", kLive}, c.pose_frame, kFrames);
   choose(v, {"station.mounting", kLive}, c.mounting, kMountings);
-  v.numbers({"station.T_base_cam_position_mm", kLive}, c.T_base_cam.position_mm, kPosition);
-  v.numbers({"station.T_base_cam_rotation_deg", kLive}, c.T_base_cam.rotation_deg, kAngle);
-  v.numbers({"station.T_flange_cam_position_mm", kLive}, c.T_flange_cam.position_mm, kPosition);
-  v.numbers({"station.T_flange_cam_rotation_deg", kLive}, c.T_flange_cam.rotation_deg, kAngle);
+  visit_pose(kBaseCamKeys, c.T_base_cam, v);
+  visit_pose(kFlangeCamKeys, c.T_flange_cam, v);
   v.flag({"station.fault_latched", kLive}, c.fault_latched);
   v.flag({"station.free_run"}, c.free_run);
   v.integer({"station.free_run_pause_ms", kLive}, c.free_run_pause_ms, {0, 3600000});
@@ -127,7 +133,6 @@ void visit_keys(Config& config, KeyVisitor& visitor) {
 }
 
 void visit_keys(RecipeConfig& recipe, KeyVisitor& v) {
-  constexpr Range<double> kPosition{-kFar_mm, kFar_mm}, kAngle{-360, 360};
   v.integer({"number"}, recipe.number, {1, 65535});
   v.text({"name", kLive}, recipe.name);
   v.texts({"models"}, recipe.models);
@@ -136,8 +141,7 @@ void visit_keys(RecipeConfig& recipe, KeyVisitor& v) {
   v.number({"min_score", kLive}, recipe.min_score, {0, 1});
   v.integer({"picks_max", kLive}, recipe.picks_max, {1, 256});
   v.numbers({"roi_px", Reload::kIfItFits}, recipe.roi_px, {0, 8192});
-  v.numbers({"T_obj_pick_position_mm", kLive}, recipe.T_obj_pick.position_mm, kPosition);
-  v.numbers({"T_obj_pick_rotation_deg", kLive}, recipe.T_obj_pick.rotation_deg, kAngle);
+  visit_pose(kPickKeys, recipe.T_obj_pick, v);
 }
 
 }  // namespace binpick::app

@@ -7,6 +7,8 @@
 namespace binpick::app {
 namespace {
 
+constexpr double kLargest = 1e6;  // of a number without a unit, and so without a range of its own
+
 std::string shown(double number) {
   char text[40];
   std::snprintf(text, sizeof text, "%.10g", number);
@@ -166,6 +168,41 @@ void ConfigReader::integers(const Key& key, std::vector<int>& values, Range<int>
     int value = 0;
     if (read_integer(key.path, item, range, value)) values.push_back(value);
   }
+}
+
+// Appends the numbers.
+bool ConfigReader::read_row(const std::string& path, const TomlValue& row, std::size_t columns,
+                            std::vector<double>& values) {
+  if (row.type != TomlValue::Type::kList || row.items.size() != columns) {
+    expect(path, row, "a list of " + std::to_string(columns) + " numbers");
+    return false;
+  }
+  for (const TomlValue& item : row.items) {
+    if (!read_number(path, item, {-kLargest, kLargest}, values.emplace_back())) return false;
+  }
+  return true;
+}
+
+void ConfigReader::matrix(const Key& key, std::vector<double>& values, std::size_t rows,
+                          std::size_t columns) {
+  const TomlValue* written = take(key);
+  if (written == nullptr) return;
+  values.clear();
+  if (written->type == TomlValue::Type::kList && written->items.empty()) return;
+  std::vector<double> read;
+  if (rows == 1) {
+    if (read_row(key.path, *written, columns, read)) values = read;
+    return;
+  }
+  if (written->type != TomlValue::Type::kList || written->items.size() != rows) {
+    return expect(
+        key.path, *written,
+        "a list of " + std::to_string(rows) + " rows of " + std::to_string(columns) + " numbers");
+  }
+  for (const TomlValue& row : written->items) {
+    if (!read_row(key.path, row, columns, read)) return;
+  }
+  values = read;
 }
 
 void ConfigReader::texts(const Key& key, std::vector<std::string>& values) {

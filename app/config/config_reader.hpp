@@ -21,6 +21,8 @@ class ConfigReader final : public KeyVisitor {
   void choice(const Key& key, int& value, std::span<const char* const> names) override;
   void numbers(const Key& key, std::span<double> values, Range<double> range) override;
   void integers(const Key& key, std::vector<int>& values, Range<int> range) override;
+  void matrix(const Key& key, std::vector<double>& values, std::size_t rows,
+              std::size_t columns) override;
   void texts(const Key& key, std::vector<std::string>& values) override;
 
   // After the visit: what is left over is unknown.
@@ -35,6 +37,8 @@ class ConfigReader final : public KeyVisitor {
   const TomlValue* take(const Key& key);
   void expect(const std::string& path, const TomlValue& value, const std::string& wanted);
   bool read_integer(const std::string& path, const TomlValue& value, Range<int> range, int& out);
+  bool read_row(const std::string& path, const TomlValue& row, std::size_t columns,
+                std::vector<double>& values);
   bool read_number(const std::string& path, const TomlValue& value, Range<double> range,
                    double& out);
   std::string hint(const std::string& unknown) const;

@@ -25,6 +25,18 @@ class TomlWriter final : public KeyVisitor {
   void integers(const Key& key, std::vector<int>& values, Range<int>) override {
     add_list(key, values, [](int value) { return std::to_string(value); });
   }
+  void matrix(const Key& key, std::vector<double>& values, std::size_t rows,
+              std::size_t columns) override {
+    if (rows == 1 || values.empty()) return add_list(key, values, exact);
+    std::vector<std::string> lines;
+    for (std::size_t r = 0; r < rows; ++r) {
+      std::string line;
+      for (std::size_t c = 0; c < columns; ++c)
+        line += (line.empty() ? "" : ", ") + exact(values[r * columns + c]);
+      lines.push_back("[" + line + "]");
+    }
+    add_list(key, lines, [](const std::string& line) { return line; });
+  }
   void texts(const Key& key, std::vector<std::string>& values) override {
     add_list(key, values, quoted);
   }

@@ -33,12 +33,22 @@ DetectorLimits limits_of(const Config& config, std::span<const Recipe> recipes) 
 }  // namespace
 
 Pose pose_of(const WrittenPose& written) {
+  const auto& p = written.position_mm;
+  const Vec3 position(p[0], p[1], p[2]);
+  if (!written.matrix.empty()) {
+    const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> T(written.matrix.data());
+    return {orthonormalized(T.topLeftCorner<3, 3>()), T.topRightCorner<3, 1>()};
+  }
+  const auto turned = [&](double w, double x, double y, double z) {
+    return Pose{Eigen::Quaterniond(w, x, y, z).normalized().toRotationMatrix(), position};
+  };
+  if (const auto& q = written.quaternion_wxyz; !q.empty()) return turned(q[0], q[1], q[2], q[3]);
+  if (const auto& q = written.quaternion_xyzw; !q.empty()) return turned(q[3], q[0], q[1], q[2]);
   const auto about = [&](int axis) {
     const double angle_rad = written.rotation_deg[static_cast<std::size_t>(axis)] * kDegree;
     return rotation_from_vector(angle_rad * Vec3::Unit(axis));
   };
-  const auto& p = written.position_mm;
-  return {orthonormalized(about(2) * about(1) * about(0)), Vec3(p[0], p[1], p[2])};
+  return {orthonormalized(about(2) * about(1) * about(0)), position};
 }
 
 RecipeSet::RecipeSet(const Config& config) {

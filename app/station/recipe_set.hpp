@@ -13,7 +13,7 @@
 
 namespace binpick::app {
 
-// As written in a configuration: R = Rz Ry Rx of fixed axes.
+// As written in a configuration, whose checks it passed; angles are R = Rz Ry Rx of fixed axes.
 Pose pose_of(const WrittenPose& written);
 
 struct Recipe {

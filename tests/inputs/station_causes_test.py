@@ -138,5 +138,17 @@ class Modbus(unittest.TestCase):
             plc.close()
 
 
+class Transforms(unittest.TestCase):
+    def test_the_check_warns_about_metres_and_radians(self):
+        lines = ('pose_frame = "base"\nT_base_cam_position_mm = [0.31, -1.2, 0.95]\n'
+                 "T_base_cam_rotation_deg = [3.12, 0.02, -1.55]")
+        with station(recording("metres", floor()), station=lines) as s:
+            run = s.run("--check")
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertEqual(len(run.stderr.splitlines()), 2, run.stderr)
+            self.assertIn("T_base_cam_position_mm: the position looks like metres", run.stderr)
+            self.assertIn("T_base_cam_rotation_deg: looks like radians", run.stderr)
+
+
 if __name__ == "__main__":
     unittest.main()
