@@ -114,6 +114,19 @@ class WrongFrames(unittest.TestCase):
         self.assertEqual(finding["part"], "box")
         self.assertEqual(finding["numbers"]["trained_max_mm"], 400)
 
+    def test_capture_tells_what_its_frames_show(self):
+        scene = self.folder / "empty" / "test" / "000001"
+        (scene / "depth").mkdir(parents=True)
+        c = sample.CAMERA
+        camera = {"cam_K": [c["fx"], 0, c["cx"], 0, c["fy"], c["cy"], 0, 0, 1], "depth_scale": 0.1}
+        (scene / "scene_camera.json").write_text(json.dumps({"0": camera, "1": camera}))
+        for i in range(2):
+            sample.write_png(scene / "depth" / f"{i:06}.png", 16, flat(0))
+        run = self.start("capture", "--sensor", "replay:empty", "-n", "2", "-o", "captured")
+        self.assertEqual(run.returncode, DONE, "what the sensor gave is kept")
+        told = "warning: frame 0: no pixel of the region of interest has a depth"
+        self.assertEqual(run.stderr.count(told), 1, run.stderr)
+
     def test_eval_names_each_frame_and_trains_nothing_for_it(self):
         data = self.folder / "data"
         shutil.copytree(SAMPLE_BIN, data)

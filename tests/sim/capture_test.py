@@ -107,6 +107,26 @@ class CaptureTest(unittest.TestCase):
             sim.kill()
             sim.communicate()
 
+    def test_a_sensor_that_another_program_controls_says_so(self):
+        sim = subprocess.Popen([GVSIM, "--bind", address(), "--scenes", BIN, "--scene", "1"],
+                               stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        other = None
+        try:
+            self.assertIn("ready", sim.stdout.readline())
+            wanted = ["capture", "--sensor", f"gev://{address()}", "--no-packet-socket"]
+            other = subprocess.Popen([BINPICK, *wanted, "-n", "999", "--trigger", "free", "--fps",
+                                      "5", "-o", str(self.out)], stderr=subprocess.PIPE, text=True)
+            while "capture 0 %" not in other.stderr.readline():
+                self.assertIsNone(other.poll())
+            run = binpick(*wanted, "-n", 1, "-o", self.out / "second")
+            self.assertEqual(run.returncode, 1)
+            self.assertIn(f"gev://{address()}: another program controls this sensor: ", run.stderr)
+            self.assertFalse((self.out / "second").exists())
+        finally:
+            for process in filter(None, (other, sim)):
+                process.kill()
+                process.communicate()
+
     def test_sensors_of_known_makes_are_served_by_their_profiles(self):
         for vendor, model, payload, trigger, profile in (
                 ("Basler", "blaze-101", "mono16", "software", "basler-blaze"),
