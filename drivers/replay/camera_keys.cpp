@@ -147,8 +147,9 @@ bool is_known_camera_key(std::string_view plain) {
 
 std::string nearest_camera_key(std::string_view plain) {
   std::string nearest;
-  // Of a short word two other letters make another word.
-  int least = plain.size() < 4 ? 2 : 1 + std::max(static_cast<int>(plain.size()) / 3, 2);
+  // Of a short word few other letters make another word.
+  const int size = static_cast<int>(plain.size());
+  int least = size < 4 ? std::min(size, 2) : 1 + std::max(size / 3, 2);
   for (const std::string_view key : kReadKeys) {
     const int distance = edit_distance(plain, plain_key(key));
     if (distance >= least) continue;

@@ -213,6 +213,7 @@ TEST(CameraFiles, UnknownKeysAreNamedWithTheOneThatWasMeant) {
               ElementsAre(HasSubstr("was \"distortion_coeffs\" meant")));
   EXPECT_THAT(notes(R"("wdith": 8)"), ElementsAre(HasSubstr("was \"width\" meant")));
   EXPECT_THAT(notes(R"("operator": "Ada")"), ElementsAre(testing::Not(HasSubstr("meant"))));
+  EXPECT_THAT(notes(R"("x": 1)"), ElementsAre(testing::Not(HasSubstr("meant"))));
   EXPECT_THAT(notes(R"("frame_id": "camera", "rectification_matrix": [1], "serial_number": 7)"),
               IsEmpty());
 }

@@ -59,7 +59,8 @@ class PackageTest(unittest.TestCase):
     def test_libraries_are_dependencies(self):
         depends = self.field("Depends")
         for library in ("libc6", "libaravis-0.8-0", "libmodbus5", "libassimp5", "zlib1g",
-                        "libopencv-core", "libopenexr", "libyaml-cpp", "liblzf1", "systemd", "procps"):
+                        "libopencv-core", "libopenexr", "libyaml-cpp", "liblzf1", "systemd",
+                        "procps"):
             self.assertIn(library, depends)
 
     def test_step_and_iges_are_a_package_of_their_own(self):
