@@ -26,8 +26,7 @@ LIBRARIES = {  # first part of the path -> library
     "gmock": "GoogleTest", "arv.h": "Aravis", "libusb.h": "libusb", "toml++": "tomlplusplus",
     "modbus.h": "libmodbus", "zlib.h": "zlib", "unzip.h": "minizip", "zip.h": "minizip",
     "pugixml.hpp": "pugixml",
-    "modbus.h": "libmodbus", "zlib.h": "zlib", "yaml-cpp": "yaml-cpp", "OpenEXR": "OpenEXR",
-    "liblzf": "liblzf",
+    "yaml-cpp": "yaml-cpp", "OpenEXR": "OpenEXR", "liblzf": "liblzf",
     "btBulletDynamicsCommon.h": "Bullet", "LinearMath": "Bullet",
 }
 OPEN_CASCADE_SUFFIX = ".hxx"  # all of its headers, and nobody else's
