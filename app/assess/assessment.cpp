@@ -14,9 +14,11 @@ namespace {
 // A part that is worth a line: seen so often and so probable, or in most frames and not impossible.
 constexpr int kSeenMin = 3;
 constexpr double kSeenShare = 0.2, kLikelyScore = 0.2, kSteadyScore = 0.02;
-constexpr double kSamePlace = 0.25;  // of the diameter
-constexpr int kSpreadPosesMin = 5;   // to measure a standard deviation
-constexpr double kNotStatic = 0.5;   // share of likely poses that are not found again
+constexpr double kSamePlace = 0.25;      // of the diameter
+constexpr int kSpreadPosesMin = 5;       // to measure a standard deviation
+constexpr double kTurned = 5 * kDegree;  // what the poses of a still scene do not do together
+constexpr double kNoSpread = 1e-9;       // mm and deg: rounding
+constexpr double kNotStatic = 0.5;       // share of likely poses that are not found again
 
 std::string frames_text(std::size_t count) {
   return std::to_string(count) + (count == 1 ? " frame" : " frames");
@@ -57,7 +59,8 @@ class Assessor {
     if (count >= kAssessFramesMin) return;
     throw SetupError(frames_text(count) + when + ": an assessment takes at least " +
                      std::to_string(kAssessFramesMin) + " of one scene, better " +
-                     std::to_string(kAssessFramesGood) + " or more");
+                     std::to_string(kAssessFramesGood) + " or more" +
+                     (out_.refused.empty() ? "" : " (" + out_.refused.front() + ")"));
   }
 
   std::vector<Observation> of_frame(int frame) const {
@@ -234,7 +237,7 @@ class Assessor {
                            "those that are with --scenes and --count");
     const bool measured = std::ranges::any_of(
         out_.models, [](const ModelAssessment& model) { return model.spread_parts > 0; });
-    if (measured && sigma == 0)
+    if (measured && sigma < kNoSpread)
       out_.notes.push_back(
           "all poses are the same in every frame: these seem to be copies of one frame, which say "
           "nothing of the sensor's noise");
@@ -244,19 +247,21 @@ class Assessor {
   void note_motion() {
     if (out_.settings.moved) return;
     std::string names;
-    double shift_mm = 0;
+    double shift_mm = 0, angle_rad = 0;
     int count = 0;
     const auto by_diameter = [](const SamePose& part) { return part.diameter_mm(); };
     const double limit_mm = std::ranges::min_element(same_, {}, by_diameter)->diameter_mm() / 10;
     for (std::size_t i = 0; i < motions_.size(); ++i) {
       const SceneMotion& m = motions_[i];
-      if (!m.determined() || m.shift_mm < limit_mm) continue;
+      if (!m.determined() || (m.shift_mm < limit_mm && m.angle_rad < kTurned)) continue;
       if (count++ == 0) names = in_.frames[i].name;
       shift_mm = std::max(shift_mm, m.shift_mm);
+      angle_rad = std::max(angle_rad, m.angle_rad);
     }
     if (count > 0)
       out_.notes.push_back(
-          "the scene moved between the frames, by up to " + fixed_digits(shift_mm, 1) + " mm in " +
+          "the scene moved between the frames, by up to " + fixed_digits(shift_mm, 1) + " mm and " +
+          fixed_digits(angle_rad / kDegree, 0) + " deg in " +
           frames_text(static_cast<std::size_t>(count)) + " (" + names +
           (count > 1 ? ", ...)" : ")") + ": what follows takes it to stand still; give --moved");
   }

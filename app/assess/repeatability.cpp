@@ -10,7 +10,7 @@ namespace {
 
 // A camera axis this near to an axis of the part (cosine).
 constexpr double kAlongAxis = 0.9;
-constexpr double kNoSpread = 1e-9;  // mm, deg: copies of one frame
+constexpr double kCopies = 1e-9;  // mm, deg: copies of one frame
 
 using Six = std::array<double, kDirectionCount>;
 
@@ -36,7 +36,7 @@ Mat3 observable_rotations(const Pose& mean, const SamePose& part) {
 
 double Repeatability::claim(int direction) const {
   const auto i = static_cast<std::size_t>(direction);
-  return unobservable[i] || sigma[i] < kNoSpread ? 0 : claimed[i] / sigma[i];
+  return unobservable[i] || sigma[i] < kCopies ? 0 : claimed[i] / sigma[i];
 }
 
 Repeatability repeatability_of(const Track& track, std::span<const Observation> observations,

@@ -11,6 +11,7 @@ namespace binpick::app {
 namespace {
 
 constexpr std::size_t kPosesMax = 20;  // of a frame: the most probable ones
+constexpr double kAgrees = 0.4;  // with a refined motion; a chance match is mostly farther off
 constexpr int kRefinements = 4;
 constexpr double kOutlier = 3;  // times the median distance
 // Two motions differ where they take the scene this far apart.
@@ -46,9 +47,14 @@ class MotionFinder {
     const auto best = std::ranges::max_element(candidates_, {}, &Candidate::agreeing);
     if (best == candidates_.end()) return out;
     out.motion = refined(best->motion);
-    const std::vector<Pair> pairs = agreeing_pairs(out.motion);
+    std::vector<Pair> pairs = agreeing_pairs(out.motion);
+    std::erase_if(pairs, [](const Pair& p) { return p.distance > kAgrees; });
     out.agreeing = static_cast<int>(pairs.size());
     if (pairs.empty()) return out;
+    double all = 0, agreed = 0;
+    for (const Observation* a : from_) all += a->score;
+    for (const Pair& p : pairs) agreed += p.from->score;
+    out.score_share = all > 0 ? agreed / all : 0;
     const Vec3 middle = middle_of(pairs);
     for (const Candidate& c : candidates_) {
       if (is_other(c.motion, out.motion, middle))

@@ -99,6 +99,12 @@ TEST(SceneMotion, IsNotDeterminedByFewOrUnrelatedPosesNorByARegularPattern) {
   EXPECT_FALSE(
       determined(frame_of(scene(8, 1), Pose{}, noise), frame_of(scene(8, 2), Pose{}, noise)));
   EXPECT_FALSE(determined({}, frame_of(two, kMotion, noise)));
+  // Of a full bin only three agree.
+  std::vector<Observation> from = frame_of(scene(14, 1), Pose{}, noise);
+  std::vector<Observation> to = frame_of(scene(14, 2), kMotion, noise);
+  append(from, frame_of(scene(3, 3), Pose{}, noise));
+  append(to, frame_of(scene(3, 3), kMotion, noise));
+  EXPECT_FALSE(determined(from, to));
   // Parts in a tray: shifted by one place nearly all agree as well.
   std::vector<Pose> tray;
   for (int x = 0; x < 6; ++x) tray.push_back(pose_at(45.0 * x, 0));
