@@ -37,7 +37,7 @@ const char* drop_reason_name(DropReason reason) {
 FrameTooLargeError::FrameTooLargeError(const std::string& uri, int width_px, int height_px,
                                        const FramePoolParams& planned)
     : SensorError(uri + ": its frames are " + std::to_string(width_px) + "x" +
-                  std::to_string(height_px) + " px, planned are " +
+                  std::to_string(height_px) + " px (Width, Height), planned are " +
                   std::to_string(planned.width_max) + "x" + std::to_string(planned.height_max)),
       width(width_px),
       height(height_px) {}

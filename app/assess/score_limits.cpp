@@ -39,13 +39,12 @@ ScoreLimit limit_of(ScoreTerm which, const PartEvidence& part) {
       return ScoreLimit::kBehind;
     case ScoreTerm::kHidden:
       return ScoreLimit::kHidden;
-    case ScoreTerm::kOutlineSteps:
-      return part.missing_share > kMissingMuch ? ScoreLimit::kMissingDepth : ScoreLimit::kFlat;
     case ScoreTerm::kOutlineOffset:
       return ScoreLimit::kOffset;
     case ScoreTerm::kConflicts:
       return ScoreLimit::kConflicts;
     case ScoreTerm::kContourSupport:
+    case ScoreTerm::kOutlineSteps:
     case ScoreTerm::kOutlineBare:
     case ScoreTerm::kCreases:
     case ScoreTerm::kTemplate:
@@ -84,8 +83,8 @@ std::vector<PartLimit> limits_of(const PartEvidence& part, const LimitContext& c
 
 // Means over the parts of a finding.
 struct Means {
-  double hidden = 0, missing = 0, residual_mm = 0, area_px = 0, contour = 0, steps = 0,
-         offset_px = 0, behind = 0;
+  double hidden = 0, missing = 0, residual_mm = 0, area_px = 0, contour = 0, offset_px = 0,
+         behind = 0;
 };
 
 std::string depth_text(const Means& m, double noise_mm) {
@@ -124,10 +123,6 @@ std::string text_of(ScoreLimit limit, const Means& m, const LimitContext& contex
       return "only " + share_text(m.contour) +
              " of the visible outline lies on an edge: check exposure, contrast to the "
              "background and focus, and that the CAD is the part's";
-    case ScoreLimit::kFlat:
-      return "only " + share_text(m.steps) +
-             " of the outline is a step in depth: the part lies flat on something, or the sensor "
-             "smooths its depth; reduce smoothing and hole filling in the sensor";
     case ScoreLimit::kOffset:
       return "edges in the image lie " + fixed_digits(m.offset_px, 1) +
              " px beside the outline: check focus, motion blur, and that depth and intensity are "
@@ -165,7 +160,6 @@ Means means_of(const std::vector<const PartEvidence*>& parts) {
     m.residual_mm += p->residual_mm / count;
     m.area_px += std::exp(value_of(p->terms, ScoreTerm::kSupportedArea)) / count;
     m.contour += std::exp(value_of(p->terms, ScoreTerm::kContourSupport)) / count;
-    m.steps += std::min(1.0, value_of(p->terms, ScoreTerm::kOutlineSteps)) / count;
     m.offset_px += value_of(p->terms, ScoreTerm::kOutlineOffset) / count;
     m.behind += value_of(p->terms, ScoreTerm::kContradicted) / count;
   }
@@ -176,7 +170,7 @@ Means means_of(const std::vector<const PartEvidence*>& parts) {
 
 const char* score_limit_name(ScoreLimit limit) {
   static constexpr const char* kNames[kScoreLimitCount] = {
-      "hidden", "missing_depth", "small",     "off_surface", "outline", "flat",
+      "hidden", "missing_depth", "small",     "off_surface", "outline",
       "offset", "behind",        "conflicts", "calibration", "search"};
   return kNames[static_cast<std::size_t>(limit)];
 }
@@ -228,7 +222,7 @@ std::vector<LimitFinding> find_limits(std::span<const PartEvidence> parts,
     out.push_back(std::move(finding));
   }
   std::ranges::stable_sort(out, std::greater{},
-                           [](const LimitFinding& f) { return f.parts.size(); });
+                           [](const LimitFinding& f) { return std::pair(f.parts.size(), f.cost); });
   return out;
 }
 

@@ -17,14 +17,13 @@ enum class ScoreLimit : int {
   kSmall,         // few pixels
   kOffSurface,    // the depth does not lie on the CAD's surface
   kOutline,       // little of it on image or depth edges
-  kFlat,          // no depth step at the outline
   kOffset,        // image edges beside the outline
   kBehind,        // depth behind the CAD's surface
   kConflicts,     // other poses explain the same pixels
   kCalibration,   // even without all of the above the score would be low
   kSearch,        // no low score: in some frames it is not found at all
 };
-inline constexpr int kScoreLimitCount = 11;
+inline constexpr int kScoreLimitCount = 10;
 const char* score_limit_name(ScoreLimit limit);  // snake_case, as written to JSON
 
 // What was seen of one part, as means over its poses below the threshold.
@@ -58,7 +57,8 @@ struct LimitFinding {
   std::string text;        // what it is, with its figures, and what to do
 };
 
-// The costliest one or two of each part, the finding with most parts first.
+// The costliest one or two of each part, the finding with most parts first, of those with as many
+// the costliest.
 std::vector<LimitFinding> find_limits(std::span<const PartEvidence> parts,
                                       const LimitContext& context);
 

@@ -56,6 +56,7 @@ ScoreTerms score_terms(const Evidence& e, double template_score) {
   set(ScoreTerm::kSupportedArea, std::log(std::max(1.0, area_px2)));
   set(ScoreTerm::kContradicted, share(e.contradicted, e.samples));
   set(ScoreTerm::kHidden, share(e.hidden, e.samples));
+  set(ScoreTerm::kOutlineSteps, share(e.outline_steps, e.contours));
   set(ScoreTerm::kOutlineBare, share(e.outline_bare, e.contours));
   set(ScoreTerm::kOutlineOffset,
       e.outline_matches > 0 ? e.outline_offset_px / e.outline_matches : 0);

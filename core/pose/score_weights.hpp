@@ -17,6 +17,7 @@ inline constexpr ScoreWeights kScoreWeights = {
     1.7419,    // supported_area
     -41.0611,  // contradicted
     -6.4151,   // hidden
+    0.0000,    // outline_steps
     0.0000,    // outline_bare
     -0.7236,   // outline_offset
     0.6060,    // creases
@@ -26,33 +27,35 @@ inline constexpr ScoreWeights kScoreWeights = {
 };
 
 inline constexpr ScoreWeights kScoreWeightsOfDepthAlone = {
-    1.4830,    // depth_support
-    3.1349,    // contour_support
-    0.7704,    // measured
-    2.6779,    // supported_area
-    -14.6551,  // contradicted
-    -4.0164,   // hidden
+    0.8807,    // depth_support
+    1.4763,    // contour_support
+    1.8536,    // measured
+    2.5650,    // supported_area
+    -7.2118,   // contradicted
+    -1.5374,   // hidden
+    4.8565,    // outline_steps
     0.0000,    // outline_bare
     0.0000,    // outline_offset
     0.0000,    // creases
-    0.0000,    // template
-    -2.5543,   // conflicts
-    -15.1576,  // constant
+    0.5223,    // template
+    -2.3085,   // conflicts
+    -21.3509,  // constant
 };
 
 inline constexpr ScoreWeights kScoreWeightsOfIntensityAlone = {
     0.0000,    // depth_support
     0.0000,    // contour_support
     0.0000,    // measured
-    0.8918,    // supported_area
+    0.9763,    // supported_area
     0.0000,    // contradicted
     0.0000,    // hidden
-    -7.8028,   // outline_bare
-    -0.9476,   // outline_offset
-    2.7724,    // creases
-    1.2744,    // template
-    -0.3881,   // conflicts
-    -11.0130,  // constant
+    0.0000,    // outline_steps
+    -11.4082,  // outline_bare
+    -0.4796,   // outline_offset
+    1.0702,    // creases
+    1.4905,    // template
+    -0.7912,   // conflicts
+    -9.9053,   // constant
 };
 
 }  // namespace binpick

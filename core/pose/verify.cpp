@@ -57,6 +57,7 @@ void add_outline_steps(const Scene& scene, ContourMatches& m, Evidence& e) {
     if (!m.places.visible[i]) continue;
     ++e.contours;
     if (on_depth_step(scene, m.places, i)) {
+      ++e.outline_steps;
       e.contours_supported += 1;
       m.places.visible[i] = 0;
     }

@@ -15,6 +15,7 @@ struct Evidence {
   int contradicted = 0;  // measured surface lies behind the model's: the model cannot be here
   int contours = 0;      // outline points that nothing hides
   double contours_supported = 0;
+  int outline_steps = 0;         // outline points on a depth step of their direction
   int outline_matches = 0;       // outline points beside an intensity edge, not on a depth step
   int outline_bare = 0;          // without depth: outline points with no edge of any direction
   double outline_offset_px = 0;  // sum of the matches' distances to their edges

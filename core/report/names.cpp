@@ -64,6 +64,8 @@ const char* score_term_name(ScoreTerm term) {
       return "contradicted";
     case ScoreTerm::kHidden:
       return "hidden";
+    case ScoreTerm::kOutlineSteps:
+      return "outline_steps";
     case ScoreTerm::kOutlineBare:
       return "outline_bare";
     case ScoreTerm::kOutlineOffset:

@@ -128,7 +128,7 @@ TEST(EvidenceCsv, HasOneColumnForEachTerm) {
   EXPECT_EQ(
       header,
       "scene_id,im_id,obj_id,score,R,t,depth_support,contour_support,measured,supported_area,"
-      "contradicted,hidden,outline_bare,outline_offset,creases,template,conflicts");
+      "contradicted,hidden,outline_steps,outline_bare,outline_offset,creases,template,conflicts");
   EXPECT_EQ(line, "3,14,2,0.75,1 0 0 0 1 0 0 0 1,1.5 -2 700,-1,-0.5,0,0.5,1,1.5,2,2.5,3,3.5,4,4.5");
   EXPECT_FALSE(std::getline(file, more));
   EXPECT_THROW(EvidenceWriter("/nowhere/evidence.csv"), drivers::DatasetError);

@@ -62,6 +62,10 @@ TEST(Diagnosis, FollowsAFoundPartToTheEnd) {
   }
 }
 
+double log_odds(double score) {
+  return std::log(score / (1 - score));
+}
+
 // Two parts of one shape: whatever explains the one explains the other.
 TEST(Diagnosis, ScoresThePoseFromTheTruthBesideItsConflicts) {
   const BracketScene scene = render_brackets(bracket_camera(), three_brackets(), 0.1);
@@ -72,7 +76,7 @@ TEST(Diagnosis, ScoresThePoseFromTheTruthBesideItsConflicts) {
   ASSERT_TRUE(report.ok());
   for (std::size_t i = 0; i < scene.truth.size(); ++i) {
     const double score = with_conflict[i].from_truth.detection.score;
-    EXPECT_LT(score, without_conflict[i].from_truth.detection.score - 0.002);
+    EXPECT_LT(log_odds(score), log_odds(without_conflict[i].from_truth.detection.score) - 1);
     const auto found = report.value().detections;
     EXPECT_TRUE(std::any_of(found.begin(), found.end(), [&](const Detection& d) {
       return pose_error(d.T_cam_obj, scene.truth[i]).within(1, 1) &&

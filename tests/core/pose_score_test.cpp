@@ -19,6 +19,7 @@ Evidence good_evidence() {
   e.hidden = 6;
   e.contours = 100;
   e.contours_supported = 97;
+  e.outline_steps = 80;
   e.outline_matches = 15;
   e.outline_offset_px = 7;
   e.creases = 40;
@@ -73,8 +74,10 @@ TEST(PoseScore, MissingDepthSpeaksNeitherWay) {
   shiny.supported = 88.2;
   shiny.explained_mm2 *= 0.6;
   EXPECT_NEAR(score_of(shiny), score_of(dull), 1e-3);
-  shiny.seen = Modality::kDepth;
-  EXPECT_LT(score_of(shiny), score_of(dull) - 0.02) << "nothing stands in for depth";
+  shiny.seen = dull.seen = Modality::kDepth;
+  EXPECT_LT(log_odds(score_terms(shiny, 1.6), Modality::kDepth),
+            log_odds(score_terms(dull, 1.6), Modality::kDepth) - 1)
+      << "nothing stands in for depth";
 }
 
 // The same part seen by a camera with twice the focal length from twice as far is the same image.
@@ -95,9 +98,10 @@ TEST(PoseScore, DepthAloneIsEnough) {
   e.creases_supported = 0;
   e.outline_matches = 0;
   e.outline_offset_px = 0;
-  e.contours_supported = 80;
+  e.contours_supported = e.outline_steps;
   EXPECT_GT(score_of(e), 0.8);
-  e.contours_supported = 30;  // the outline lies where nothing ends
+  e.outline_steps = 30;  // the outline lies where nothing ends
+  e.contours_supported = 30;
   EXPECT_LT(score_of(e), 0.8);
 }
 

@@ -189,7 +189,7 @@ TEST(Prune, OnlyWhatIsFarLessProbableGoes) {
   Contest c;
   const Hypothesis best = c.verified(c.pose(0).T_cam_centre),
                    as_good = c.verified(c.pose(0.1).T_cam_centre),
-                   poor = c.verified(c.pose(4).T_cam_centre);
+                   poor = c.verified(c.pose(3).T_cam_centre);
   Hypothesis beside = poor;
   beside.T_cam_centre = c.pose(500).T_cam_centre;
   ASSERT_GT(best.score, 0.5);

@@ -52,7 +52,7 @@ def setUpModule():
     sample.write_camera(FOLDER / "camera.json")
     subprocess.run([BINPICK, "train", "box.stl", "-o", "box.bpm", "--camera", "camera.json",
                     "--unit", "mm", "--distance-mm", "300:400", "--tree-depths", "2", "--samples",
-                    "50", "--gradient-threshold", "5", "--normal-threshold", "10",
+                    "50", "--gradient-threshold", "0.1", "--normal-threshold", "0.2",
                     "--calibration-piles", "0", "--test-piles", "0"],
                    cwd=FOLDER, check=True, capture_output=True)
 

@@ -70,7 +70,7 @@ class WrongFrames(unittest.TestCase):
         sample.write_camera(cls.folder / "camera.json")
         run = cls.start("train", "box.stl", "-o", "box.bpm", "--camera", "camera.json", "--unit",
                         "mm", "--distance-mm", "300:400", "--tree-depths", "2", "--samples", "50",
-                        "--gradient-threshold", "5", "--normal-threshold", "10",
+                        "--gradient-threshold", "0.1", "--normal-threshold", "0.2",
                         "--calibration-piles", "0", "--test-piles", "0")
         if run.returncode != 0:
             raise RuntimeError(run.stderr)

@@ -115,9 +115,8 @@ INSTANTIATE_TEST_SUITE_P(Sensors, EveryKind, testing::ValuesIn(kSensorKinds), []
 TEST(SensorKind, OnlyPassiveStereoAndTimeOfFlightHaveDepthInTheShadow) {
   const auto missing = [](SensorKind kind) {
     const Sensed s = sense(kind);
-    return missing_share(s, [&](int x, int y) {
-      return !s.on_block(s.at(x, y)) && s.beside_block(x, y, 6);
-    });
+    return missing_share(
+        s, [&](int x, int y) { return !s.on_block(s.at(x, y)) && s.beside_block(x, y, 6); });
   };
   EXPECT_GT(missing(SensorKind::kActiveStereo), 0.1);
   EXPECT_GT(missing(SensorKind::kStructuredLight), 0.2);
@@ -143,9 +142,8 @@ TEST(SensorKind, TimeOfFlightHasFlyingPixels) {
 TEST(SensorKind, StructuredLightLosesMetal) {
   const auto lost = [](SensorKind kind, Finish finish) {
     const Sensed s = sense(kind, finish);
-    return missing_share(s, [&](int x, int y) {
-      return s.on_block(s.at(x, y)) && !s.beside_block(x, y, 4);
-    });
+    return missing_share(
+        s, [&](int x, int y) { return s.on_block(s.at(x, y)) && !s.beside_block(x, y, 4); });
   };
   EXPECT_GT(lost(SensorKind::kStructuredLight, Finish::kPolished),
             lost(SensorKind::kStructuredLight, Finish::kPlastic) + 0.1);

@@ -236,11 +236,23 @@ def parts():
 
 
 def held_out_parts():
-    """Parts that nothing is fitted to. Their truth holds up to the turns that differ by less than
-    a sensor shows: the screw hole of the pulley, the nub of the housing, the odd hole of the flange."""
+    """Parts that nothing is fitted to. Their truth holds up to the turns that differ by less than a
+    sensor shows: the screw of the pulley, the nub of the housing, the odd hole of the flange."""
     pulley = np.concatenate(
         [
-            revolve([(4, -7), (16, -7), (16, -5), (12, 0), (16, 5), (16, 7), (8, 7), (8, 12), (4, 12)]),
+            revolve(
+                [
+                    (4, -7),
+                    (16, -7),
+                    (16, -5),
+                    (12, 0),
+                    (16, 5),
+                    (16, 7),
+                    (8, 7),
+                    (8, 12),
+                    (4, 12),
+                ]
+            ),
             along(extrude(circle(0, 9.5, 1.2, 16), [], 7.8, 8.4), 'yzx'),
         ]
     )
@@ -301,7 +313,9 @@ def held_out_parts():
     wing = np.concatenate(
         [
             revolve([(3, 0), (7, 0), (6, 9), (3, 9)]),
-            along(extrude([(2, 6), (8, 4), (18, 14), (14, 18)], [], -1.5, 1.5), 'zxy')[:, :, [1, 0, 2]][:, ::-1],
+            along(extrude([(2, 6), (8, 4), (18, 14), (14, 18)], [], -1.5, 1.5), 'zxy')[
+                :, ::-1, [1, 0, 2]
+            ],
         ]
     )
     yield 'nut with wing', wing, [], None

@@ -19,6 +19,7 @@ enum class ScoreTerm : int {
   kSupportedArea,     // log of: pixels of the image that the pose explains
   kContradicted,      // share of the visible surface with something measured behind it
   kHidden,            // share of it with something in front
+  kOutlineSteps,      // share of the visible outline on a depth step of its direction
   kOutlineBare,       // without depth: share of it with no edge beside it; else 0
   kOutlineOffset,     // px from the outline to the image edges beside it, on average
   kCreases,           // share of the visible creases on an image edge
@@ -26,7 +27,7 @@ enum class ScoreTerm : int {
   kConflicts,         // log of: odds of the pose and of the others that explain the same pixels,
                       // over its own; 0 where there are no others
 };
-inline constexpr int kScoreTermCount = 11;
+inline constexpr int kScoreTermCount = 12;
 const char* score_term_name(ScoreTerm term);  // snake_case, as written to CSV
 using ScoreTerms = std::array<double, kScoreTermCount>;
 
