@@ -82,7 +82,7 @@ DepthImage read_depth(const std::string& path, const FileKind& kind, const Depth
   const RawDepth raw = read_raw(path, kind);
   DepthImage depth;
   depth.depth_mm = {raw.width, raw.height, {}};
-  depth.depth_mm.pixels.reserve(raw.codes.size() + raw.values.size());
+  depth.depth_mm.pixels.reserve(raw.codes.total() + raw.values.size());
   if (!raw.values.empty()) {
     const FloatUnit found = unit_of_floats(path, raw.values, unit);
     depth.note = found.note;
@@ -97,8 +97,11 @@ DepthImage read_depth(const std::string& path, const FileKind& kind, const Depth
                        "image); add it, or give --depth-scale");
   }
   depth.step_mm = *scale;
-  for (const std::uint16_t code : raw.codes)
-    depth.depth_mm.pixels.push_back(depth_mm_from_code(code, *scale));
+  for (int y = 0; y < raw.codes.rows; ++y) {
+    const std::uint16_t* row = raw.codes[y];
+    for (int x = 0; x < raw.codes.cols; ++x)
+      depth.depth_mm.pixels.push_back(depth_mm_from_code(row[x], *scale));
+  }
   return depth;
 }
 

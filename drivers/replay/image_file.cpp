@@ -50,7 +50,7 @@ RawDepth read_depth_image(const std::string& path) {
   const cv::Mat image = decode(path);
   RawDepth depth{image.cols, image.rows, {}, {}};
   if (image.type() == CV_16UC1) {
-    depth.codes = pixels_of<std::uint16_t>(image);
+    depth.codes = image;
   } else if (image.type() == CV_32FC1 || image.type() == CV_64FC1) {
     cv::Mat values;
     image.convertTo(values, CV_32F);

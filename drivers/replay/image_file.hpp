@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <opencv2/core.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,7 +19,7 @@ struct ImageBuffer {
 // A depth image as its file holds it: whole numbers, or numbers. One of the two is empty.
 struct RawDepth {
   int width = 0, height = 0;
-  std::vector<std::uint16_t> codes;
+  cv::Mat_<std::uint16_t> codes;  // as decoded: a recording's reader copies no image without need
   std::vector<float> values;
 };
 

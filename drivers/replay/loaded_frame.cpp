@@ -64,11 +64,13 @@ LoadedFrame load_frame_files(const std::string& depth_path, const std::string& i
                              const FrameCamera& camera, std::optional<double> depth_scale) {
   const FileKind kind = depth_path.empty() ? FileKind{} : usable_kind(depth_path);
   ImageBuffer<std::uint8_t> gray;
-  if (!intensity_path.empty()) {
+  const auto take_gray = [&] {
+    if (intensity_path.empty()) return;
     gray = load_intensity(intensity_path);
     check_size(intensity_path, gray.width, gray.height, camera);
-  }
+  };
   if (is_cloud(kind)) {
+    take_gray();
     const int width = gray.width, height = gray.height;
     LoadedFrame frame =
         frame_of_cloud(depth_path, kind, camera, std::move(gray), {depth_scale, {}});
@@ -84,6 +86,7 @@ LoadedFrame load_frame_files(const std::string& depth_path, const std::string& i
   if (!depth_path.empty()) {
     DepthImage depth = read_depth(depth_path, kind, {depth_scale, camera.depth_scale});
     check_size(depth_path, depth.depth_mm.width, depth.depth_mm.height, camera);
+    take_gray();
     frame.camera.width = depth.depth_mm.width;
     frame.camera.height = depth.depth_mm.height;
     check_same_size(intensity_path, gray.width, gray.height, frame.camera);
@@ -91,6 +94,7 @@ LoadedFrame load_frame_files(const std::string& depth_path, const std::string& i
     frame.depth_mm = std::move(depth.depth_mm.pixels);
     if (!depth.note.empty()) frame.notes.push_back(depth.note);
   } else {
+    take_gray();
     frame.camera.width = gray.width;
     frame.camera.height = gray.height;
   }

@@ -125,7 +125,10 @@ RawDepth read_npy_depth(const std::string& path) {
   file.seekg(begin);
   std::string data(bytes, '\0');
   file.read(data.data(), static_cast<std::streamsize>(bytes));
-  if (header.type == "<u2") convert<std::uint16_t>(data, depth.codes);
+  if (header.type == "<u2") {
+    depth.codes.create(depth.height, depth.width);
+    std::memcpy(depth.codes.data, data.data(), data.size());
+  }
   if (header.type == "<f2") convert<Eigen::half>(data, depth.values);
   if (header.type == "<f4") convert<float>(data, depth.values);
   if (header.type == "<f8") convert<double>(data, depth.values);
