@@ -79,26 +79,16 @@ void visit_folder(const AssessArguments& a, const std::string& folder, const Vis
 }
 
 void visit_sensor(const AssessArguments& a, const VisitFrame& visit) {
-  using Clock = std::chrono::steady_clock;
   const drivers::CameraSpec spec = camera_spec_of(a.sensor);
   const FramePoolParams size{kFramesHeld, a.sensor.width_max, a.sensor.height_max};
   Arena arena(FramePool::footprint(size));
   FramePool pool(size, arena);
-  {
-    // What is wrong with the sensor or its settings is told at once.
-    const auto camera = drivers::open_camera(spec);
-    camera->start(pool);
-    tell_missing_features(*camera);
-  }
+  try_sensor(spec, pool);
   LiveSensor sensor(spec, pool, {});
   const int frames = a.count > 0 ? a.count : kSensorFrames;
   Progress progress("assess");
   for (int i = 0; i < frames; ++i) {
-    const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                             std::chrono::duration<double>(a.timeout_s));
-    Result<FrameRef> frame = sensor.session().grab(deadline);
-    // A lost sensor is opened again until the time for a frame is over.
-    while (!frame.ok() && Clock::now() < deadline) frame = sensor.session().grab(deadline);
+    const Result<FrameRef> frame = grab_within(sensor.session(), a.timeout_s);
     if (!frame.ok()) throw std::runtime_error(spec.uri + ": " + error_text(frame.error()));
     visit(frame.value().frame(), "frame " + std::to_string(i + 1));
     progress.update(static_cast<double>(i + 1) / frames);

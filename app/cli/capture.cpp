@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <memory>
 
-#include "binpick/drivers/open_camera.hpp"
 #include "cli/commands.hpp"
 #include "cli/drop_table.hpp"
 #include "cli/number_between.hpp"
@@ -27,17 +26,11 @@ struct CaptureArguments {
 };
 
 int capture(const CaptureArguments& a) {
-  using Clock = std::chrono::steady_clock;
   const drivers::CameraSpec spec = camera_spec_of(a.sensor);
   const FramePoolParams size{kSlots, a.sensor.width_max, a.sensor.height_max};
   Arena arena(FramePool::footprint(size));
   FramePool pool(size, arena);
-  {
-    // What is wrong with the sensor or its settings is said at once, and before a folder is made.
-    const auto camera = drivers::open_camera(spec);
-    camera->start(pool);
-    tell_missing_features(*camera);
-  }
+  try_sensor(spec, pool);  // before a folder is made
   FrameWriter writer(a.out, a.depth_scale);
   LiveSensor sensor(spec, pool, {});
   SensorSession& session = sensor.session();
@@ -45,13 +38,7 @@ int capture(const CaptureArguments& a) {
   std::string fault;
   FindingsTold told;
   while (writer.frame_count() < a.count) {
-    const auto within =
-        std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(a.timeout_s));
-    const auto deadline = Clock::now() + within;
-    Result<FrameRef> frame = session.grab(deadline);
-    // A lost sensor is opened again until the time for a frame is over.
-    while (!frame.ok() && frame.error().code != ErrorCode::kSensorEnd && Clock::now() < deadline)
-      frame = session.grab(deadline);
+    const Result<FrameRef> frame = grab_within(session, a.timeout_s);
     if (!frame.ok()) {
       fault = error_text(frame.error());
       break;

@@ -1,6 +1,7 @@
 #include "cli/sensor_arguments.hpp"
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -49,6 +50,22 @@ void tell_missing_features(const drivers::Camera& camera) {
   for (const std::string& name : camera.missing_features())
     names += (names.empty() ? "" : ", ") + name;
   if (!names.empty()) std::fprintf(stderr, "binpick: the sensor has no %s\n", names.c_str());
+}
+
+void try_sensor(const drivers::CameraSpec& spec, FramePool& pool) {
+  const auto camera = drivers::open_camera(spec);
+  camera->start(pool);
+  tell_missing_features(*camera);
+}
+
+Result<FrameRef> grab_within(SensorSession& session, double timeout_s) {
+  using Clock = std::chrono::steady_clock;
+  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                           std::chrono::duration<double>(timeout_s));
+  Result<FrameRef> frame = session.grab(deadline);
+  while (!frame.ok() && frame.error().code != ErrorCode::kSensorEnd && Clock::now() < deadline)
+    frame = session.grab(deadline);
+  return frame;
 }
 
 drivers::CameraSpec camera_spec_of(const SensorArguments& a) {

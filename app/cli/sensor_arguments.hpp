@@ -6,6 +6,7 @@
 
 #include "binpick/drivers/camera.hpp"
 #include "binpick/drivers/camera_spec.hpp"
+#include "sensor/sensor_session.hpp"
 
 namespace CLI {
 class App;
@@ -28,6 +29,13 @@ drivers::CameraSpec camera_spec_of(const SensorArguments& arguments);
 
 // Where the profiles are that came with this build.
 std::string sensor_profile_folder();
+
+// Opens the sensor and lets it go again: what is wrong with it or its settings is told at once, in
+// a SensorError, and not only when a frame fails to come.
+void try_sensor(const drivers::CameraSpec& spec, FramePool& pool);
+
+// The next frame. A lost sensor is opened again until the time for a frame is over.
+Result<FrameRef> grab_within(SensorSession& session, double timeout_s);
 
 // One line on stderr with what the sensor lacks; nothing where it lacks nothing.
 void tell_missing_features(const drivers::Camera& camera);

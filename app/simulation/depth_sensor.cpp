@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "binpick/geometry/angle.hpp"
 
@@ -22,10 +23,12 @@ class Matcher {
         exposure_(exposure),
         window_(window),
         params_(params),
-        second_ray_(scene.soup, shifted(view, Vec3(params.baseline_mm, 0, 0))),
-        projector_(scene.soup, shifted(view, kProjectorInEye)),
         seed_(static_cast<std::uint32_t>(rng.next())),
-        rng_(rng.fork(1)) {}
+        rng_(rng.fork(1)) {
+    if (params.second_ray)
+      second_ray_.emplace(scene.soup, shifted(view, Vec3(params.baseline_mm, 0, 0)));
+    if (params.shadow_of_pattern) projector_.emplace(scene.soup, shifted(view, kProjectorInEye));
+  }
 
   std::vector<std::uint16_t> run() {
     std::vector<std::uint16_t> depth(truth_.z_mm.size(), 0);
@@ -151,11 +154,10 @@ class Matcher {
     const double v = static_cast<double>(source / static_cast<std::size_t>(view_.width));
     const Vec3 p = view_.position() + view_.ray(u, v) * truth_.z_mm[source];
     constexpr double kBias = 2.2;  // mm; less, and the map's pixels show on steep walls
-    if (params_.second_ray && second_ray_.visibility(p, kBias) < 0.5f) return false;
+    if (second_ray_ && second_ray_->visibility(p, kBias) < 0.5f) return false;
     if (params_.edge_px > 0 && on_step(x, y)) return false;
     // In the projector's shadow only stray light helps, in a few places.
-    if (params_.shadow_of_pattern && projector_.visibility(p, kBias) < 0.5f &&
-        noise(x, y, 5, 2) < 0.85f)
+    if (projector_ && projector_->visibility(p, kBias) < 0.5f && noise(x, y, 5, 2) < 0.85f)
       return false;
     const double facing = truth_.facing[source];
     const double sure =
@@ -242,7 +244,7 @@ class Matcher {
   float exposure_;
   Roi window_;
   DepthSensorParams params_;
-  ShadowMap second_ray_, projector_;
+  std::optional<ShadowMap> second_ray_, projector_;  // those that this kind of sensor needs
   std::uint32_t seed_;
   Rng rng_;
 };
